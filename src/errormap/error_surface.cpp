@@ -1,0 +1,71 @@
+#include "errormap/error_surface.h"
+
+#include <cstdio>
+
+#include "error.h"
+#include "errormap/tensor_surface.h"
+
+namespace trunnion {
+namespace {
+
+void check_stations(const std::vector<Angle>& stations, const char* axis) {
+  if (stations.empty()) throw ModelError(std::string("error map: no ") + axis + " stations");
+  for (std::size_t i = 1; i < stations.size(); ++i)
+    if (!(stations[i - 1] < stations[i]))
+      throw ModelError(std::string("error map: the ") + axis + " stations must ascend strictly");
+}
+
+void check_grid(const ErrorGrid& grid) {
+  check_stations(grid.a_stations, "A");
+  check_stations(grid.c_stations, "C");
+  if (grid.c_stations.back() - grid.c_stations.front() >= kFullTurn)
+    throw ModelError("error map: the C stations span a full turn or more; the first is not to be repeated at 360 deg");
+  if (grid.tilt.size() != grid.a_stations.size() || grid.turn.size() != grid.a_stations.size() * grid.c_stations.size())
+    throw ModelError("error map: the number of errors does not match the stations");
+}
+
+}  // namespace
+
+bool ErrorSurface::covers(Angle a) const {
+  constexpr Angle kRounding = Angle::degrees(1e-9);
+  const Range<Angle> range = a_range();
+  return a >= range.low - kRounding && a <= range.high + kRounding;
+}
+
+void ErrorSurface::check(Angle a) const {
+  const Range<Angle> range = a_range();
+  if (a >= range.low - kMargin && a <= range.high + kMargin) return;
+  char text[120];
+  std::snprintf(text, sizeof text, "tilt %.6g deg lies outside the probed range %.6g .. %.6g deg", a.in_degrees(),
+                range.low.in_degrees(), range.high.in_degrees());
+  throw RangeError(text);
+}
+
+std::string_view interpolation_name(Interpolation method) {
+  switch (method) {
+    case Interpolation::trig_cubic: return "trig-cubic";
+    case Interpolation::bilinear: return "bilinear";
+    case Interpolation::natural_neighbour: return "natural-neighbour";
+  }
+  return {};
+}
+
+std::optional<Interpolation> interpolation_from_name(std::string_view name) {
+  for (const Interpolation method : {Interpolation::trig_cubic, Interpolation::bilinear, Interpolation::natural_neighbour})
+    if (interpolation_name(method) == name) return method;
+  return std::nullopt;
+}
+
+std::unique_ptr<ErrorSurface> make_surface(Interpolation method, const ErrorGrid& grid) {
+  check_grid(grid);
+  switch (method) {
+    case Interpolation::trig_cubic:
+      return std::make_unique<TensorSurface>(grid, cubic_weights(grid.a_stations), trigonometric_weights(grid.c_stations));
+    case Interpolation::bilinear:
+      return std::make_unique<TensorSurface>(grid, linear_weights(grid.a_stations), periodic_linear_weights(grid.c_stations));
+    case Interpolation::natural_neighbour: break;
+  }
+  throw ModelError("interpolation natural-neighbour is not available here");
+}
+
+}  // namespace trunnion
