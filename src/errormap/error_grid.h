@@ -7,8 +7,8 @@
 
 namespace trunnion {
 
-/// The twelve rotary errors at indexed positions (a[i], c[j]): six of the tilting axis per A station, six of C per pair.
-/// A plain value; make_surface() checks it. Stored as one vector of coefficients, mm and rad:
+/// The twelve rotary errors at indexed positions (a[i], c[j]): six of the tilting axis per A station, six of C per
+/// pair. A plain value; make_surface() checks it. Stored as one vector of coefficients, mm and rad:
 ///   EXA … ECA at a[0], …, at a[n-1], then EXC … ECC at (a[0], c[0]), (a[0], c[1]), …
 struct ErrorGrid {
   std::vector<Angle> a_stations;  ///< strictly ascending

@@ -43,15 +43,19 @@ void ErrorSurface::check(Angle a) const {
 
 std::string_view interpolation_name(Interpolation method) {
   switch (method) {
-    case Interpolation::trig_cubic: return "trig-cubic";
-    case Interpolation::bilinear: return "bilinear";
-    case Interpolation::natural_neighbour: return "natural-neighbour";
+    case Interpolation::trig_cubic:
+      return "trig-cubic";
+    case Interpolation::bilinear:
+      return "bilinear";
+    case Interpolation::natural_neighbour:
+      return "natural-neighbour";
   }
   return {};
 }
 
 std::optional<Interpolation> interpolation_from_name(std::string_view name) {
-  for (const Interpolation method : {Interpolation::trig_cubic, Interpolation::bilinear, Interpolation::natural_neighbour})
+  for (const Interpolation method :
+       {Interpolation::trig_cubic, Interpolation::bilinear, Interpolation::natural_neighbour})
     if (interpolation_name(method) == name) return method;
   return std::nullopt;
 }
@@ -60,10 +64,13 @@ std::unique_ptr<ErrorSurface> make_surface(Interpolation method, const ErrorGrid
   check_grid(grid);
   switch (method) {
     case Interpolation::trig_cubic:
-      return std::make_unique<TensorSurface>(grid, cubic_weights(grid.a_stations), trigonometric_weights(grid.c_stations));
+      return std::make_unique<TensorSurface>(grid, cubic_weights(grid.a_stations),
+                                             trigonometric_weights(grid.c_stations));
     case Interpolation::bilinear:
-      return std::make_unique<TensorSurface>(grid, linear_weights(grid.a_stations), periodic_linear_weights(grid.c_stations));
-    case Interpolation::natural_neighbour: break;
+      return std::make_unique<TensorSurface>(grid, linear_weights(grid.a_stations),
+                                             periodic_linear_weights(grid.c_stations));
+    case Interpolation::natural_neighbour:
+      break;
   }
   throw ModelError("interpolation natural-neighbour is not available here");
 }

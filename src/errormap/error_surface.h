@@ -41,7 +41,8 @@ std::optional<Interpolation> interpolation_from_name(std::string_view name);
 /// A surface through the nodes of a grid; its coefficients are those of the grid. Throws ModelError for a grid whose
 /// stations do not ascend strictly, whose C stations span a turn or more, or whose values do not match its stations.
 ///
-/// - trig_cubic: trigonometric in C up to floor((n-1)/2), with the cosine at the Nyquist harmonic (phased at the nodes) for
+/// - trig_cubic: trigonometric in C up to floor((n-1)/2), with the cosine at the Nyquist harmonic (phased at the nodes)
+/// for
 ///   even n, times a cubic spline in A: not-a-knot, natural for three stations, a line for two, a constant for one.
 /// - bilinear: as controllers do, between neighbouring stations, periodic in C.
 /// - natural_neighbour: Sibson's C1 interpolant (CGAL), local and without overshoot.

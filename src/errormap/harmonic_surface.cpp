@@ -48,7 +48,8 @@ RotaryErrors HarmonicSurface::at(IndexedPosition position) const {
   const Eigen::VectorXd t = basis_.tilt_values(position.a), c = basis_.turn_values(position);
   const auto split = [&](Eigen::Index first, const Eigen::VectorXd& values) {
     return PoseError::from_vector(
-        Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>>(coefficients_.data() + 6 * first, 6, values.size()) * values);
+        Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>>(coefficients_.data() + 6 * first, 6, values.size()) *
+        values);
   };
   return {split(0, t), split(t.size(), c)};
 }
@@ -56,7 +57,8 @@ RotaryErrors HarmonicSurface::at(IndexedPosition position) const {
 Eigen::Matrix<double, 12, Eigen::Dynamic> HarmonicSurface::jacobian(IndexedPosition position) const {
   check(position.a);
   const Eigen::VectorXd t = basis_.tilt_values(position.a), c = basis_.turn_values(position);
-  Eigen::Matrix<double, 12, Eigen::Dynamic> b = Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, coefficient_count());
+  Eigen::Matrix<double, 12, Eigen::Dynamic> b =
+      Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, coefficient_count());
   for (Eigen::Index k = 0; k < t.size(); ++k) b.block<6, 6>(0, 6 * k).diagonal().setConstant(t[k]);
   for (Eigen::Index k = 0; k < c.size(); ++k) b.block<6, 6>(6, 6 * (t.size() + k)).diagonal().setConstant(c[k]);
   return b;

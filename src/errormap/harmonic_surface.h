@@ -4,9 +4,9 @@
 
 namespace trunnion {
 
-/// A finite basis for the twelve errors: Legendre polynomials P_0 … P_tilt_degree of the tilt, scaled to `a_range`, for the
-/// tilting axis; for C the products of cos(hc), sin(hc), h = 1 … harmonics, with P_0 … P_turn_degree.
-/// (A mean of C's errors over a turn is the tilting axis' share, Eq. 1, and has no column.)
+/// A finite basis for the twelve errors: Legendre polynomials P_0 … P_tilt_degree of the tilt, scaled to `a_range`, for
+/// the tilting axis; for C the products of cos(hc), sin(hc), h = 1 … harmonics, with P_0 … P_turn_degree. (A mean of
+/// C's errors over a turn is the tilting axis' share, Eq. 1, and has no column.)
 struct HarmonicBasis {
   Range<Angle> a_range;
   int tilt_degree = 4;

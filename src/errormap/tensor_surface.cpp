@@ -46,7 +46,8 @@ RotaryErrors TensorSurface::at(IndexedPosition position) const {
 Eigen::Matrix<double, 12, Eigen::Dynamic> TensorSurface::jacobian(IndexedPosition position) const {
   check(position.a);
   const Eigen::VectorXd wa = a_weights_(position.a.in_radians()), wc = c_weights_(position.c.in_radians());
-  Eigen::Matrix<double, 12, Eigen::Dynamic> b = Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, coefficient_count());
+  Eigen::Matrix<double, 12, Eigen::Dynamic> b =
+      Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, coefficient_count());
   for (Eigen::Index i = 0; i < wa.size(); ++i) {
     b.block<6, 6>(0, 6 * i).diagonal().setConstant(wa[i]);
     for (Eigen::Index j = 0; j < wc.size(); ++j)
@@ -109,7 +110,8 @@ StationWeights trigonometric_weights(const std::vector<Angle>& stations) {
   double phase = 0;
   if (n % 2 == 0) {
     double s = 0, c = 0;
-    for (const double angle : x) s += std::sin(static_cast<double>(n) * angle), c += std::cos(static_cast<double>(n) * angle);
+    for (const double angle : x)
+      s += std::sin(static_cast<double>(n) * angle), c += std::cos(static_cast<double>(n) * angle);
     phase = std::atan2(s, c) / 2;
   }
   const auto basis = [n, phase](double at) {

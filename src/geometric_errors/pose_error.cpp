@@ -8,10 +8,10 @@ namespace trunnion {
 Eigen::Isometry3d transform(const PoseError& error) {
   using Eigen::AngleAxisd, Eigen::Vector3d;
   Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  result.linear() = (AngleAxisd(error.rotation_rad.x(), Vector3d::UnitX()) *
-                     AngleAxisd(error.rotation_rad.y(), Vector3d::UnitY()) *
-                     AngleAxisd(error.rotation_rad.z(), Vector3d::UnitZ()))
-                        .toRotationMatrix();
+  result.linear() =
+      (AngleAxisd(error.rotation_rad.x(), Vector3d::UnitX()) * AngleAxisd(error.rotation_rad.y(), Vector3d::UnitY()) *
+       AngleAxisd(error.rotation_rad.z(), Vector3d::UnitZ()))
+          .toRotationMatrix();
   result.translation() = error.translation_mm;
   return result;
 }

@@ -5,9 +5,10 @@ namespace {
 
 using Matrix612 = Eigen::Matrix<double, 6, 12>;
 
-/// The twist that the errors of the joints on `side` make at R's origin, to first order; `offset_mm` is where the linear
-/// axes carry that side's frames to.
-Matrix612 side_twist(const KinematicChain& chain, Side side, IndexedPosition position, const Eigen::Vector3d& offset_mm) {
+/// The twist that the errors of the joints on `side` make at R's origin, to first order; `offset_mm` is where the
+/// linear axes carry that side's frames to.
+Matrix612 side_twist(const KinematicChain& chain, Side side, IndexedPosition position,
+                     const Eigen::Vector3d& offset_mm) {
   Matrix612 twist = Matrix612::Zero();
   for (std::size_t i = 0; i < chain.rotary_joints().size(); ++i) {
     if (chain.rotary_joints()[i].side != side) continue;
@@ -70,7 +71,8 @@ RelativeErrorJacobian relative_error_jacobian(const KinematicChain& chain, Index
                                               const ToolPlace& tool) {
   RelativeErrorJacobian j;
   j.here = side_twist(chain, Side::workpiece, position, Eigen::Vector3d::Zero());
-  j.reference = -adjoint(chain.r_from_w(position)) * side_twist(chain, Side::workpiece, kReference, Eigen::Vector3d::Zero());
+  j.reference =
+      -adjoint(chain.r_from_w(position)) * side_twist(chain, Side::workpiece, kReference, Eigen::Vector3d::Zero());
   if (chain.has_rotary(Side::tool)) {
     const RelativeErrorJacobian t = tool_twist(chain, position, tool);
     j.here -= t.here;

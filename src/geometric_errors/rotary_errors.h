@@ -5,7 +5,8 @@
 
 namespace trunnion {
 
-/// The twelve rotary errors at one indexed position: the six of the tilting axis (EXA … ECA) and the six of C (EXC … ECC).
+/// The twelve rotary errors at one indexed position: the six of the tilting axis (EXA … ECA) and the six of C (EXC …
+/// ECC).
 struct RotaryErrors {
   PoseError tilt;
   PoseError turn;

@@ -10,8 +10,8 @@
 namespace trunnion {
 
 /// Signs, told once. A component error after ISO 230-1/-7: E, then the direction of the error (X Y Z: translation along
-/// R's axes, A B C: right-handed rotation about them), then the axis that moves. A symbol keeps its right-handed sense about
-/// R's axes whatever the machine file's `direction` says. Order of components everywhere: X, Y, Z, A, B, C.
+/// R's axes, A B C: right-handed rotation about them), then the axis that moves. A symbol keeps its right-handed sense
+/// about R's axes whatever the machine file's `direction` says. Order of components everywhere: X, Y, Z, A, B, C.
 inline constexpr std::string_view kComponentLetters = "XYZABC";
 
 /// `EXC`: component 0..5 of the error motion of axis 'C'.

@@ -11,8 +11,12 @@ KinematicChain::KinematicChain(const Machine& machine) {
   };
   const std::vector<Joint>& order = machine.structure.joints;
   // The code runs from the workpiece to the tool: on the workpiece side R's end comes last, on the tool side first.
-  std::for_each(order.rbegin(), order.rend(), [&](const Joint& j) { if (j.side == Side::workpiece) add(j); });
-  std::for_each(order.begin(), order.end(), [&](const Joint& j) { if (j.side == Side::tool) add(j); });
+  std::for_each(order.rbegin(), order.rend(), [&](const Joint& j) {
+    if (j.side == Side::workpiece) add(j);
+  });
+  std::for_each(order.begin(), order.end(), [&](const Joint& j) {
+    if (j.side == Side::tool) add(j);
+  });
   tilt_ = joints_.at(0).letter == 'C' ? 1 : 0;
 }
 
@@ -56,8 +60,6 @@ bool KinematicChain::has_rotary(Side side) const {
   return std::ranges::any_of(joints_, [&](const RotaryJoint& joint) { return joint.side == side; });
 }
 
-bool KinematicChain::turn_carries_tilt() const {
-  return joints_[0].side == joints_[1].side && tilt_ == 1;
-}
+bool KinematicChain::turn_carries_tilt() const { return joints_[0].side == joints_[1].side && tilt_ == 1; }
 
 }  // namespace trunnion

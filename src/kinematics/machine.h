@@ -19,9 +19,9 @@ struct Range {
   friend bool operator==(const Range&, const Range&) = default;
 };
 
-/// One axis as the machine file tells it. A rotary axis turns what it carries right-handed about `direction` as its command
-/// grows; `origin_mm` is a point of its line in R at A = C = 0. On the tool side the origin is told from the tool's
-/// reference point (the spindle nose), with all axes at zero.
+/// One axis as the machine file tells it. A rotary axis turns what it carries right-handed about `direction` as its
+/// command grows; `origin_mm` is a point of its line in R at A = C = 0. On the tool side the origin is told from the
+/// tool's reference point (the spindle nose), with all axes at zero.
 struct Axis {
   char letter = '?';
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector in R
@@ -40,9 +40,9 @@ struct Probe {
 
 /// What protects the machine while correcting (CONTRACT: [limits]).
 struct CorrectionLimits {
-  Length deviation = Length::micrometres(200);      ///< largest |d| that is corrected
-  Angle tilt = Angle::microradians(1000);           ///< largest tilt that is corrected
-  Angle rotary_word = Angle::degrees(0.1);          ///< largest change of a word near the singularity
+  Length deviation = Length::micrometres(200);  ///< largest |d| that is corrected
+  Angle tilt = Angle::microradians(1000);       ///< largest tilt that is corrected
+  Angle rotary_word = Angle::degrees(0.1);      ///< largest change of a word near the singularity
 };
 
 /// The volume that tables and reports speak of; what is not told has its default in work_volume().
@@ -60,10 +60,10 @@ struct Machine {
   std::string name;
   std::string serial;
   Structure structure;
-  std::string controller;            ///< empty where the file does not say
-  std::map<char, Axis> axes;         ///< all five, those the file left out with their defaults
+  std::string controller;     ///< empty where the file does not say
+  std::map<char, Axis> axes;  ///< all five, those the file left out with their defaults
   Probe probe;
-  std::string tcp = "on";            ///< what --tcp auto means in a dialect whose programs do not say
+  std::string tcp = "on";  ///< what --tcp auto means in a dialect whose programs do not say
   CorrectionLimits limits;
   WorkVolume work_volume;
   std::map<std::string, ProfileValue> profile;  ///< facts about its control that were confirmed on it

@@ -31,7 +31,8 @@ Structure parse_structure(const std::string& code) {
       const bool primed = i + 1 < code.size() && code[i + 1] == '\'';
       if (place == Place::before_workpiece) refuse(code, "it does not begin with the workpiece w");
       if (primed != (place == Place::workpiece_side))
-        refuse(code, std::string("axis ") + symbol + (primed ? "' is primed on the tool side" : " has no prime on the workpiece side"));
+        refuse(code, std::string("axis ") + symbol +
+                         (primed ? "' is primed on the tool side" : " has no prime on the workpiece side"));
       structure.joints.push_back({symbol, primed ? Side::workpiece : Side::tool});
       if (primed) ++i;
     } else {
@@ -41,7 +42,8 @@ Structure parse_structure(const std::string& code) {
   if (place != Place::after_tool) refuse(code, "it does not end with the tool t");
   const auto count = [&](char letter) { return std::ranges::count(structure.joints, letter, &Joint::letter); };
   for (const char letter : {'X', 'Y', 'Z', 'C'})
-    if (count(letter) != 1) refuse(code, std::string("axis ") + letter + " occurs " + std::to_string(count(letter)) + " times");
+    if (count(letter) != 1)
+      refuse(code, std::string("axis ") + letter + " occurs " + std::to_string(count(letter)) + " times");
   if (count('A') + count('B') != 1) refuse(code, "exactly one of the tilting axes A and B is wanted");
   return structure;
 }

@@ -5,8 +5,24 @@
 namespace trunnion {
 
 /// The units that parameters carry in files. Inside, lengths are mm and angles rad.
-enum class Unit { one, um, urad, um_per_m, urad_per_m, um_per_m2, um_per_m3, um_per_K, urad_per_K, um_per_m_per_K, um_per_h,
-                  urad_per_h, mm, deg, s, K };
+enum class Unit {
+  one,
+  um,
+  urad,
+  um_per_m,
+  urad_per_m,
+  um_per_m2,
+  um_per_m3,
+  um_per_K,
+  urad_per_K,
+  um_per_m_per_K,
+  um_per_h,
+  urad_per_h,
+  mm,
+  deg,
+  s,
+  K
+};
 
 struct UnitText {
   Unit unit;

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "geometric_errors/pose_error.h"
+#include "kinematics/kinematic_chain.h"
+#include "model/situation.h"
+#include "units/unit.h"
+
+namespace trunnion {
+
+/// Whose fault an effect is: the machine's, which is compensated, or the measurement's, which only cleans the fit.
+enum class Origin { machine, measurement };
+
+/// One quantity that an effect holds, in inside units (mm, rad, s, K); files show it in `unit`.
+struct Parameter {
+  std::string name;
+  Unit unit = Unit::one;
+  double value = 0;
+  friend bool operator==(const Parameter&, const Parameter&) = default;
+};
+
+/// One thing that can be wrong, told once for fitting, discovery, evaluation, correction, tables and prediction alike.
+///
+/// In a Situation it gives a PoseError, the error of the workpiece relative to the tool at R's origin: the point p of
+/// the situation deviates by T(e) p - p, the workpiece is turned against the tool by e.rotation_rad. It is linear in
+/// its parameters beta, e = B(situation) beta, and may hold further numbers (an order, a period, a time constant) that
+/// B depends on: its shape. Effects are immutable: with_parameters and with_shape return changed copies.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  /// `family` or `family:detail` (CONTRACT).
+  virtual std::string id() const = 0;
+  virtual Origin origin() const = 0;
+  /// Whether it moves the table as a whole, so that it counts into the table's pose error and not only at a point.
+  virtual bool moves_table() const { return false; }
+  /// Columns it depends on, by the names that Situation::covariate knows; rotary positions and the point included.
+  virtual std::vector<std::string> depends_on() const = 0;
+
+  /// B(situation), 6 x parameters().size(): mm and rad per inside unit of each parameter.
+  virtual Matrix6Xd basis(const Situation& situation) const = 0;
+  /// B beta; an effect may do better than first order.
+  virtual PoseError at(const Situation& situation) const;
+  /// Covariance of at(situation), 6 x 6 (mm, rad); zero where none is known.
+  virtual Matrix6d covariance_at(const Situation& situation) const;
+
+  /// The fitted parameters beta.
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  Eigen::VectorXd values() const;
+  /// Covariance of values(), inside units; empty if not known.
+  const Eigen::MatrixXd& covariance() const { return covariance_; }
+  /// A copy with other values; `covariance` may be empty.
+  std::shared_ptr<const Effect> with_parameters(const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance) const;
+
+  /// The numbers of the shape, empty for most effects.
+  virtual std::vector<Parameter> shape() const { return {}; }
+  /// A copy with another shape, parameters kept. Throws ModelError for an effect without one.
+  virtual std::shared_ptr<const Effect> with_shape(const Eigen::VectorXd& shape) const;
+
+  /// `{"id", "origin", "parameters": {NAME: {"value", "std", "unit"}}}`, with "shape" and "covariance" where there are
+  /// any. The map writes itself otherwise.
+  virtual nlohmann::json to_json() const;
+
+ protected:
+  virtual std::shared_ptr<Effect> clone() const = 0;
+  /// Restores parameters, shape excluded, from what to_json wrote. Throws ModelError naming the key.
+  void read_parameters(const nlohmann::json& json);
+
+  std::vector<Parameter> parameters_;
+  Eigen::MatrixXd covariance_;
+};
+
+using EffectPtr = std::shared_ptr<const Effect>;
+
+}  // namespace trunnion
