@@ -26,12 +26,14 @@ double scaled(const Range<Angle>& range, Angle a) {
 Eigen::VectorXd HarmonicBasis::tilt_values(Angle a) const { return legendre(tilt_degree, scaled(a_range, a)); }
 
 Eigen::VectorXd HarmonicBasis::turn_values(IndexedPosition position) const {
-  const Eigen::VectorXd p = legendre(turn_degree, scaled(a_range, position.a));
+  const double a = position.a.in_radians(), c = position.c.in_radians();
+  const Eigen::VectorXd f = Eigen::Vector3d(1, std::sin(a), 1 - std::cos(a)).head(turn_degree + 1);
   Eigen::VectorXd values(turn_functions());
-  Eigen::Index k = 0;
+  values[0] = 1;
+  Eigen::Index k = 1;
   for (int h = 1; h <= harmonics; ++h) {
-    values.segment(std::exchange(k, k + p.size()), p.size()) = std::cos(h * position.c.in_radians()) * p;
-    values.segment(std::exchange(k, k + p.size()), p.size()) = std::sin(h * position.c.in_radians()) * p;
+    values.segment(std::exchange(k, k + f.size()), f.size()) = std::cos(h * c) * f;
+    values.segment(std::exchange(k, k + f.size()), f.size()) = std::sin(h * c) * f;
   }
   return values;
 }

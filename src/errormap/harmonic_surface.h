@@ -4,19 +4,21 @@
 
 namespace trunnion {
 
-/// A finite basis for the twelve errors: Legendre polynomials P_0 … P_tilt_degree of the tilt, scaled to `a_range`, for
-/// the tilting axis; for C the products of cos(hc), sin(hc), h = 1 … harmonics, with P_0 … P_turn_degree. (A mean of
-/// C's errors over a turn is the tilting axis' share, Eq. 1, and has no column.)
+/// A finite basis for the twelve errors. The tilting axis: Legendre polynomials P_0 … P_tilt_degree of the tilt, scaled
+/// to `a_range`. C: a constant (its mean place, as a location error of C has it), and for h = 1 … harmonics the
+/// products of cos(h c), sin(h c) with the first turn_degree + 1 of {1, sin a, 1 - cos a}: an error that stands still
+/// in the slide or in the table is seen by the other through the tilt, and these three are what the tilt makes of it.
 struct HarmonicBasis {
   Range<Angle> a_range;
   int tilt_degree = 4;
   int harmonics = 2;
-  int turn_degree = 2;
+  int turn_degree = 2;  ///< 0, 1 or 2
 
   Eigen::Index tilt_functions() const { return tilt_degree + 1; }
-  Eigen::Index turn_functions() const { return 2 * harmonics * (turn_degree + 1); }
+  Eigen::Index turn_functions() const { return 1 + 2 * harmonics * (turn_degree + 1); }
   Eigen::Index coefficient_count() const { return 6 * (tilt_functions() + turn_functions()); }
-  /// Values of the tilt functions, then of the turn functions, ordered by harmonic, cos before sin, then degree.
+  /// Values of the tilt functions by degree; of the turn functions: the constant, then by harmonic, cos before sin,
+  /// then by function of the tilt.
   Eigen::VectorXd tilt_values(Angle a) const;
   Eigen::VectorXd turn_values(IndexedPosition position) const;
   friend bool operator==(const HarmonicBasis&, const HarmonicBasis&) = default;
