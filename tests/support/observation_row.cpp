@@ -101,11 +101,11 @@ std::string csv(const std::vector<ObservationRow>& rows, std::optional<int> deci
                         [&](const ObservationRow& row) { return column.second(row).has_value(); });
   });
   std::string text;
-  for (std::size_t i = 0; i < columns.size(); ++i) text += (i ? "," : "") + columns[i].first;
-  text += '\n';
+  for (const auto& [name, field] : columns) text.append(name).push_back(',');
+  text.back() = '\n';
   for (const ObservationRow& row : rows) {
-    for (std::size_t i = 0; i < columns.size(); ++i) text += (i ? "," : "") + columns[i].second(row).value_or("");
-    text += '\n';
+    for (const auto& [name, field] : columns) text.append(field(row).value_or("")).push_back(',');
+    text.back() = '\n';
   }
   return text;
 }

@@ -68,16 +68,17 @@ std::vector<Face> faces_of(const Columns& columns) {
   for (std::size_t k = 0; k < columns.centres_w_mm.size(); ++k) {
     const std::string artifact = std::to_string(k + 1);
     const Vector3d centre(columns.centres_w_mm[k].x(), columns.centres_w_mm[k].y(), 0);
-    const auto add = [&](const std::string& label, const Vector3d& point, const Vector3d& outward) {
-      faces.push_back({artifact + label, artifact, point, outward, point, outward});
+    const auto add = [&](char kind, int number, const Vector3d& point, const Vector3d& outward) {
+      const std::string label = artifact + kind + std::to_string(number);
+      faces.push_back({label, artifact, point, outward, point, outward});
     };
     int side = 0;
     for (double z : columns.side_z_mm)
       for (const Vector3d& outward : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0)})
-        add("S" + std::to_string(++side), centre + columns.half_width_mm * outward + z * Vector3d::UnitZ(), outward);
+        add('S', ++side, centre + columns.half_width_mm * outward + z * Vector3d::UnitZ(), outward);
     int top = 0;
     for (const Eigen::Vector2d& offset : columns.top_offsets_mm)
-      add("T" + std::to_string(++top), centre + Vector3d(offset.x(), offset.y(), columns.top_z_mm), Vector3d::UnitZ());
+      add('T', ++top, centre + Vector3d(offset.x(), offset.y(), columns.top_z_mm), Vector3d::UnitZ());
   }
   return faces;
 }
@@ -219,6 +220,7 @@ MachineState state_of(const VirtualMachine& machine, const PlannedTouch& touch) 
   state.rotary = position_of(machine, touch.A_deg, touch.C_deg);
   const double tilt_dir = touch.A_dir, C_dir = touch.C_dir;
   state.rotary_sense = {tilt_dir, tilt_dir, C_dir};
+  state.tool_length_mm = touch.tool_length_mm;
   state.time_s = touch.time_s;
   state.temperature_C = touch.temperature_C;
   state.order = touch.order;

@@ -39,6 +39,7 @@ struct PlannedTouch {
   int order = 0;
   int order_in_pose = 0;
   double temperature_C = 20;
+  double tool_length_mm = 0;  ///< of the probe: the lever of tool-side angular errors
   std::map<std::string, double> covariates;
 };
 

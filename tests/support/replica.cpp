@@ -61,10 +61,10 @@ std::string truth_csv(const GaugedMaps& maps, int decimals) {
   for (std::size_t i = 0; i < maps.tilt_deg.size(); ++i)
     for (std::size_t j = 0; j < maps.C_deg.size(); ++j) {
       const std::size_t cell = i * maps.C_deg.size() + j;
-      text += csv_number(maps.tilt_deg[i]) + "," + csv_number(maps.C_deg[j]);
+      text.append(csv_number(maps.tilt_deg[i])).append(",").append(csv_number(maps.C_deg[j]));
       for (const AxisErrors* errors : {&maps.tilt[i], &maps.C[cell], &maps.pose[cell]}) {
-        for (double mm : errors->translation_mm) text += "," + csv_number(mm * 1e3, decimals);
-        for (double rad : errors->rotation_rad) text += "," + csv_number(rad * 1e6, decimals);
+        for (double mm : errors->translation_mm) text.append(",").append(csv_number(mm * 1e3, decimals));
+        for (double rad : errors->rotation_rad) text.append(",").append(csv_number(rad * 1e6, decimals));
       }
       text += "\n";
     }

@@ -11,6 +11,7 @@ namespace {
 
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -70,7 +71,7 @@ Isometry3d error_transform(const AxisErrors& errors) {
 
 AxisErrors errors_of(const Isometry3d& motion) {
   // Rx(a) Ry(b) Rz(c): row 0 is (cos b cos c, -cos b sin c, sin b), column 2 is (sin b, -sin a cos b, cos a cos b).
-  const Eigen::Matrix3d m = motion.linear();
+  const Matrix3d m = motion.linear();
   return {motion.translation(),
           Vector3d(std::atan2(-m(1, 2), m(2, 2)), std::atan2(m(0, 2), std::hypot(m(0, 0), m(0, 1))),
                    std::atan2(-m(0, 1), m(0, 0)))};
@@ -111,14 +112,15 @@ Isometry3d VirtualMachine::r_from_tool(const MachineState& state) const {
 
 Isometry3d VirtualMachine::r_from_tool_since_setup(const MachineState& state) const {
   const Vector3d tip(0, 0, -state.tool_length_mm);
-  const Isometry3d at_setup = actual_chain(*this, tool_axes, MachineState{});
-  const Isometry3d actual = actual_chain(*this, tool_axes, state);
-  const Isometry3d nominal = nominal_chain(tool_axes, state.rotary);
-  Isometry3d tool;
-  tool.linear() = actual.linear() * nominal.linear().transpose() * at_setup.linear().transpose() * nominal.linear();
-  tool.translation() = state.tip_r_mm + (actual * tip - nominal * tip) - (at_setup * tip - tip);
-  tool.makeAffine();
-  return applied(tool_effects, state, tool);
+  const Isometry3d head_at_setup = actual_chain(*this, tool_axes, MachineState{});
+  const Matrix3d r_from_setup = (r_from_w(state) * r_from_w(MachineState{}).inverse()).linear();
+  const Matrix3d w_from_tool_nominal =
+      r_from_w_nominal(state.rotary).linear().transpose() * nominal_chain(tool_axes, state.rotary).linear();
+  Isometry3d tool = r_from_tool(state);
+  tool.translation() -= r_from_setup * (head_at_setup * tip - tip);
+  tool.linear() =
+      tool.linear() * w_from_tool_nominal.transpose() * head_at_setup.linear().transpose() * w_from_tool_nominal;
+  return tool;
 }
 
 Isometry3d VirtualMachine::r_from_tool_nominal(const MachineState& state) const {

@@ -133,9 +133,10 @@ struct VirtualMachine {
   Eigen::Isometry3d r_from_tool(const MachineState& state) const;
   Eigen::Isometry3d r_from_tool_nominal(const MachineState& state) const;
 
-  /// r_from_tool with the tool-side rotary errors counted from the reference pose, where the workpiece was set up with
-  /// this tool: its tip error there is taken off, and its tilt there is undone. The same as r_from_tool where the tool
-  /// side has no rotary errors at A = B = C = 0.
+  /// r_from_tool, counted from the set-up at A = B = C = 0 with a tool of this length. Where the head's own errors put
+  /// the tip b beside its place there, the workpiece was set up b off and carries that along: the tip is moved by -R b,
+  /// so that a constant b makes the deviation -(I - R) b. The tilt that the tool had against the workpiece there is
+  /// undone likewise, in W. The same as r_from_tool where the tool side has no rotary errors at A = B = C = 0.
   Eigen::Isometry3d r_from_tool_since_setup(const MachineState& state) const;
 
   /// T(Delta) = T(A,C) T(0,0)^-1 T~(A,C)^-1 of the workpiece side, the reference being the default MachineState; and

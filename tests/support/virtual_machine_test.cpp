@@ -432,6 +432,23 @@ TEST(VirtualMachine, AHeadIsReferredToTheReferencePoseToo) {
   EXPECT_LT((off - Vector3d(-1.5e-3, -1.5e-3, 0)).norm(), 1e-7);
 }
 
+/// A constant offset b of the tip is set up with the workpiece, which turns it: d = -(I - R) b.
+TEST(VirtualMachine, ATableTurnsWhatTheHeadHadWrongAtTheSetUp) {
+  VirtualMachine machine = perfect_machine("w C' Y' b X Z B t");
+  set_errors(machine, 'B', um_urad(3, 4, 0, 0, 0, 0));
+  MachineState state = at(0, 90, Vector3d(100, 50, 60));
+  EXPECT_LT((machine.deviation_mm(state) - Vector3d(-7e-3, -1e-3, 0)).norm(), kRounding_mm);
+  // The same touches show: what one reads at C = 90 beyond what it read at C = 0.
+  for (const Vector3d& outward : {Vector3d(1, 0, 0), Vector3d(0, -1, 0)}) {
+    const Face face = face_at({50, -100, 60}, outward);
+    const double read_um = reading_um(machine, face, state) - reading_um(machine, face, at(0, 0));
+    EXPECT_NEAR(read_um, 1e3 * machine.approach_r(face, state.rotary).dot(machine.deviation_mm(state)), 1e-9);
+  }
+  const Command c = command({50, -100, 60}, bc_degrees(0, 90), 80, Tcp::on);
+  const Vector3d missed_w = c.xyz_mm - machine.play({c}).front().tip_w_mm;
+  EXPECT_LT((missed_w - Vector3d(-1e-3, 7e-3, 0)).norm(), kRounding_mm);
+}
+
 TEST(VirtualMachine, KnowsTheSenseOfEveryMotionOfAProgram) {
   VirtualMachine machine = seed_machine();
   add_rotary_backlash(machine, 'C', 10e-6);
