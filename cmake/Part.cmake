@@ -28,6 +28,18 @@ function(trunnion_part NAME)
   set_property(GLOBAL PROPERTY TRUNNION_PART_${NAME}_LINK "${PART_LINK}")
 endfunction()
 
+# Writes <build>/link_graph.txt, one line a part: `NAME: part part …`, what trunnion_part(NAME LINK …) said.
+function(trunnion_write_link_graph)
+  get_property(parts GLOBAL PROPERTY TRUNNION_PARTS)
+  set(text "")
+  foreach(part IN LISTS parts)
+    get_property(link GLOBAL PROPERTY TRUNNION_PART_${part}_LINK)
+    list(JOIN link " " link)
+    string(APPEND text "${part}: ${link}\n")
+  endforeach()
+  file(WRITE ${PROJECT_BINARY_DIR}/link_graph.txt "${text}")
+endfunction()
+
 # trunnion_test(NAME SOURCES a_test.cpp … [LINK …] [LABELS …]): one GoogleTest program, its cases known to ctest.
 function(trunnion_test NAME)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINK;LABELS" ${ARGN})

@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that Trunnion is built from. Asks nothing; does nothing where all of them are there.
+#
+#   cmake/install-dependencies.sh [GROUP …]
+#
+# Without a group: what building and testing need. Further groups:
+#   linuxcnc   the LinuxCNC interpreter and simulator, against which programs and tables are tested
+#   browser    headless Chromium, for the tests of the report
+#   develop    clang, its tools and sanitizer run-times, valgrind: presets tidy and fuzz
+set -euo pipefail
+
+packages_of() {
+  case "$1" in
+    build)
+      echo g++ cmake ninja-build ccache mold python3 \
+        libeigen3-dev libcgal-dev libboost-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
+        libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+      ;;
+    linuxcnc) echo linuxcnc-uspace ;;
+    browser) echo chromium nodejs npm ;;
+    develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind ;;
+    *)
+      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, develop" >&2
+      return 2
+      ;;
+  esac
+}
+
+missing=()
+for group in build "$@"; do
+  list=$(packages_of "$group") || exit 2
+  for package in $list; do
+    if ! command -v dpkg-query >/dev/null; then
+      echo "install-dependencies.sh: this is no Debian; its packages would be: $list" >&2
+      break
+    fi
+    status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
+    [ "$status" = installed ] || missing+=("$package")
+  done
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+as_root=(env)
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "install-dependencies.sh: as root, please: apt-get install ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo env)
+fi
+echo "install-dependencies.sh: installing ${missing[*]}" >&2
+apt=("${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Acquire::Retries=3 -o Dpkg::Use-Pty=0)
+"${apt[@]}" update </dev/null >&2
+"${apt[@]}" install --no-install-recommends "${missing[@]}" </dev/null >&2

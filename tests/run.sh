@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Sets up, builds and tests, from a bare clone on. No display and no answers are needed.
+#
+#   tests/run.sh [--slow] [CTEST-OPTION …]
+#
+# --slow also runs the long sweeps (label slow). Whatever follows goes to ctest, e.g. `-R errormap`.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+selection=(--label-exclude slow)
+if [ "${1:-}" = --slow ]; then
+  selection=()
+  shift
+fi
+
+cmake/install-dependencies.sh
+cmake/install-dependencies.sh linuxcnc ||
+  echo "tests/run.sh: LinuxCNC cannot be installed here; the tests that need it will be skipped" >&2
+
+unset DISPLAY WAYLAND_DISPLAY
+cmake --preset test
+cmake --build --preset test
+ctest --preset test --parallel "$(nproc)" "${selection[@]}" "$@" </dev/null
