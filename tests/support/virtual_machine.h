@@ -9,7 +9,16 @@
 #include <vector>
 
 // A five-axis machine that really turns and touches: every transform is an exact rigid motion, nothing is linearised,
-// and nothing of src/ is used, so that what it says can judge what the program says. Lengths are mm, angles rad.
+// and nothing of src/ is used, so that what it says can judge what the program says. Lengths are mm, angles rad. So:
+//
+//   VirtualMachine machine = perfect_machine("w C' A' Y' b X Z t");  // or smooth_machine(seed)
+//   machine.axis('A').errors = [](const RotaryPosition& q) { return um_urad(0, 0, 0, 30 * std::sin(q.A_rad), 0, 0); };
+//   add_squareness(machine, "XY", 15e-6);  // undeclared_effects.h
+//   machine.tool_effects.push_back([](const MachineState& state) { ... });  // anything else, as an Eigen::Isometry3d
+//   Noise noise(7);
+//   auto rows = probe(machine, replica_plan(), {.sigma_mm = 0.175e-3}, noise);  // probing_plan.h
+//   auto file = csv(rows);                                                      // observation_row.h
+//   auto path = machine.play({{.xyz_mm = {10, 0, 50}, .rotary = ac_degrees(-30, 60), .tcp = Tcp::on}});
 
 namespace trunnion::testing {
 
