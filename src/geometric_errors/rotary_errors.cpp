@@ -31,7 +31,12 @@ RelativeErrorJacobian tool_twist(const KinematicChain& chain, IndexedPosition po
   // From the tip to R's origin: D_0 = D_tip - theta x tip.
   Matrix6d to_origin = Matrix6d::Identity();
   to_origin.topRightCorner<3, 3>() = cross_matrix(tool.tip_r_mm);
-  return {to_origin * at_tip(position), -to_origin * at_tip(kReference)};
+  // What the head had wrong at the reference pose was set up with the workpiece: a table turns it along.
+  const Eigen::Matrix3d table = chain.r_from_w(position).linear();
+  Matrix612 reference = at_tip(kReference);
+  reference.topRows<3>() = table * reference.topRows<3>();
+  reference.bottomRows<3>() = table * reference.bottomRows<3>();
+  return {to_origin * at_tip(position), -to_origin * reference};
 }
 
 }  // namespace

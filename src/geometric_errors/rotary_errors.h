@@ -28,7 +28,8 @@ Eigen::Isometry3d actual_r_from_w(const KinematicChain& chain, IndexedPosition p
 /// The error of the workpiece relative to the tool, taken at R's origin, of a machine whose rotary errors are `here` at
 /// `position` and `reference` at A = C = 0, where the workpiece was set up:
 ///   workpiece side, exact:  T(Delta) = T(A,C) T(0,0)^-1 T~(A,C)^-1          (CONTRACT; Eq. 6 and 10)
-///   minus the tool side, to first order, at the tip, alike relative to the reference pose.
+///   minus the tool side, to first order, at the tip, alike relative to the reference pose: what the tip and axis had
+///   wrong there was set up with the workpiece and turns with the table.
 PoseError relative_pose_error(const KinematicChain& chain, IndexedPosition position, const RotaryErrors& here,
                               const RotaryErrors& reference, const ToolPlace& tool);
 
