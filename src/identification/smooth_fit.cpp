@@ -1,0 +1,304 @@
+#include "identification/smooth_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "geometric_errors/rotary_errors.h"
+#include "identification/minimise.h"
+
+namespace trunnion {
+namespace {
+
+constexpr double kUm = 1e-3, kUrad = 1e-6;  // coefficients are fitted in um and urad
+
+double coefficient_scale(Eigen::Index k) { return k % 6 < 3 ? kUm : kUrad; }
+
+/// Whitened normal equations over [map coefficients | unknowns | extra columns], one set per kind of noise.
+struct System {
+  Eigen::Index coefficients = 0, size = 0;
+  Eigen::MatrixXd normal[2];
+  Eigen::VectorXd rhs[2];
+  double square[2] = {0, 0};
+  double count[2] = {0, 0};
+};
+
+/// The prior's degrees of freedom, as logarithms that may take any value.
+class Hyperparameters {
+ public:
+  Hyperparameters(const HarmonicBasis& basis, double sigma_um) : basis_(basis), sigma_um_(sigma_um) {}
+
+  Eigen::Index size() const { return 6 + std::max(0, basis_.harmonics - 1); }
+
+  Eigen::VectorXd pack(const SmoothPrior& p) const {
+    Eigen::VectorXd h(size());
+    h.head<6>() << std::log(p.tilt_um), std::log(p.tilt_urad), std::log(p.tilt_decay), std::log(p.turn_um), std::log(p.turn_urad),
+        std::log(p.turn_decay);
+    for (Eigen::Index j = 6; j < h.size(); ++j) {
+      const double ratio = static_cast<std::size_t>(j - 6) < p.harmonic_ratio.size() ? p.harmonic_ratio[static_cast<std::size_t>(j - 6)] : 0.5;
+      h[j] = std::log(ratio / (1 - ratio));
+    }
+    return h;
+  }
+  SmoothPrior unpack(const Eigen::VectorXd& h) const {
+    SmoothPrior p{.tilt_um = std::exp(h[0]), .tilt_urad = std::exp(h[1]), .tilt_decay = std::exp(h[2]),
+                  .turn_um = std::exp(h[3]), .turn_urad = std::exp(h[4]), .turn_decay = std::exp(h[5])};
+    for (Eigen::Index j = 6; j < h.size(); ++j) p.harmonic_ratio.push_back(1 / (1 + std::exp(-h[j])));
+    return p;
+  }
+
+  /// log variance of each coefficient and its derivative by h.
+  void log_variances(const Eigen::VectorXd& h, Eigen::VectorXd& log_variance, Eigen::MatrixXd& derivative) const {
+    const Eigen::Index m = basis_.coefficient_count();
+    log_variance.resize(m);
+    derivative = Eigen::MatrixXd::Zero(m, h.size());
+    const double free_um = 2 * std::log(1e4 * sigma_um_), free_urad = 2 * std::log(1e5 * sigma_um_);
+    for (Eigen::Index f = 0; f < m / 6; ++f) {
+      const bool tilt = f < basis_.tilt_functions();
+      for (Eigen::Index k = 0; k < 6; ++k) {
+        const Eigen::Index i = 6 * f + k, amplitude = (tilt ? 0 : 3) + (k < 3 ? 0 : 1);
+        if (f == 0 || f == basis_.tilt_functions()) {  // constants of the tilting axis and of C
+          log_variance[i] = k < 3 ? free_um : free_urad;
+          continue;
+        }
+        const Eigen::Index decay = tilt ? 2 : 5;
+        const Eigen::Index g = f - basis_.tilt_functions() - 1;  // C's functions after its constant
+        const double degree = static_cast<double>(tilt ? f : g % (basis_.turn_degree + 1));
+        log_variance[i] = 2 * h[amplitude] - 2 * std::exp(h[decay]) * degree;
+        derivative(i, amplitude) = 2;
+        derivative(i, decay) = -2 * std::exp(h[decay]) * degree;
+        if (tilt) continue;
+        const Eigen::Index harmonic = 1 + g / (2 * (basis_.turn_degree + 1));
+        for (Eigen::Index j = 2; j <= harmonic; ++j) {
+          const double ratio = 1 / (1 + std::exp(-h[4 + j]));
+          log_variance[i] += 2 * std::log(ratio);
+          derivative(i, 4 + j) = 2 * (1 - ratio);
+        }
+      }
+    }
+    log_variance = log_variance.cwiseMax(-40).cwiseMin(60);
+  }
+
+  /// Weak log-normal priors that keep a starved likelihood from running away: minus log density and its gradient.
+  double penalty(const Eigen::VectorXd& h, Eigen::VectorXd& gradient) const {
+    static const SmoothPrior centre;
+    const Eigen::VectorXd at = pack(centre);
+    double sum = 0;
+    for (Eigen::Index j = 0; j < h.size(); ++j) {
+      const double width = j >= 6 ? 1.5 : (j == 2 || j == 5 ? 0.7 : 3.0);
+      const double shift = j == 0 || j == 1 || j == 3 || j == 4 ? std::log(sigma_um_ / 0.175) : 0;
+      const double z = (h[j] - at[j] - shift) / width;
+      sum += 0.5 * z * z;
+      gradient[j] += z / width;
+    }
+    return sum;
+  }
+
+ private:
+  HarmonicBasis basis_;
+  double sigma_um_;
+};
+
+struct Evaluation {
+  double negative_log = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd solution;
+  Eigen::MatrixXd inverse;
+};
+
+Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, const double noise[2]) {
+  Evaluation e;
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(system.size, system.size);
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(system.size);
+  double value = 0.5 * log_variance.sum();
+  for (int c = 0; c < 2; ++c) {
+    if (system.count[c] == 0) continue;
+    const double w = 1 / (noise[c] * noise[c]);
+    joint += w * system.normal[c];
+    rhs += w * system.rhs[c];
+    value += 0.5 * w * system.square[c] + system.count[c] * std::log(noise[c]);
+  }
+  joint.diagonal().head(system.coefficients) += (-log_variance).array().exp().matrix();
+  // An unknown that no reading in use sees stays at zero.
+  const double largest = std::max(1.0, joint.diagonal().tail(system.size - system.coefficients).size() > 0
+                                           ? joint.diagonal().tail(system.size - system.coefficients).maxCoeff()
+                                           : 1.0);
+  for (Eigen::Index k = system.coefficients; k < system.size; ++k) joint(k, k) += 1e-12 * largest;
+  const Eigen::LLT<Eigen::MatrixXd> factor(joint);
+  if (factor.info() != Eigen::Success) return e;
+  e.solution = factor.solve(rhs);
+  e.inverse = factor.solve(Eigen::MatrixXd::Identity(system.size, system.size));
+  value += factor.matrixLLT().diagonal().array().log().sum() - 0.5 * rhs.dot(e.solution);
+  e.negative_log = value;
+  return e;
+}
+
+}  // namespace
+
+Matrix6Xd gauged_basis(const KinematicChain& chain, const HarmonicBasis& basis, const Situation& s) {
+  const RelativeErrorJacobian j = relative_error_jacobian(chain, s.at, {s.point_r_mm, s.tool_length_mm});
+  const Eigen::VectorXd tilt = basis.tilt_values(s.at.a), turn = basis.turn_values(s.at);
+  const Eigen::VectorXd tilt0 = basis.tilt_values(Angle()), turn0 = basis.turn_values({});
+  Matrix6Xd b(6, basis.coefficient_count());
+  for (Eigen::Index k = 0; k < tilt.size(); ++k)
+    b.middleCols<6>(6 * k) = tilt[k] * j.here.leftCols<6>() + tilt0[k] * j.reference.leftCols<6>();
+  for (Eigen::Index k = 0; k < turn.size(); ++k)
+    b.middleCols<6>(6 * (tilt.size() + k)) = turn[k] * j.here.rightCols<6>() + turn0[k] * j.reference.rightCols<6>();
+  return b;
+}
+
+HarmonicBasis basis_for(const LinearProblem& problem, int most_harmonics) {
+  HarmonicBasis basis{.a_range = {Angle(), Angle()}};
+  std::set<long> tilts, turns;  // by the half degree
+  for (const PoseGroup& pose : problem.poses) {
+    basis.a_range.low = std::min(basis.a_range.low, pose.at.a);
+    basis.a_range.high = std::max(basis.a_range.high, pose.at.a);
+    tilts.insert(std::lround(2 * pose.at.a.in_degrees()));
+    turns.insert(std::lround(2 * pose.at.c.in_degrees()) % 720);
+  }
+  basis.tilt_degree = tilts.size() < 2 ? 0 : 4;
+  basis.turn_degree = std::min<int>(2, static_cast<int>(tilts.size()) - 1);
+  basis.harmonics = std::clamp(static_cast<int>(turns.size()) / 2, turns.size() > 1 ? 1 : 0, most_harmonics);
+  return basis;
+}
+
+SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothOptions& options) {
+  const Eigen::Index m = basis.coefficient_count(), unknowns = static_cast<Eigen::Index>(problem.unknowns.size()),
+                     extras = options.extra_columns.cols();
+  System system{.coefficients = m, .size = m + unknowns + extras};
+  for (int c = 0; c < 2; ++c) {
+    system.normal[c] = Eigen::MatrixXd::Zero(system.size, system.size);
+    system.rhs[c] = Eigen::VectorXd::Zero(system.size);
+  }
+  const auto n = static_cast<Eigen::Index>(problem.readings.size());
+  const auto weight_of = [&](Eigen::Index i) { return options.weights.empty() ? 1.0 : options.weights[static_cast<std::size_t>(i)]; };
+  const auto value_of = [&](Eigen::Index i) {
+    return options.values.empty() ? problem.readings[static_cast<std::size_t>(i)].value : options.values[static_cast<std::size_t>(i)];
+  };
+  Eigen::VectorXd column_scale(system.size);
+  for (Eigen::Index k = 0; k < m; ++k) column_scale[k] = coefficient_scale(k);
+  for (Eigen::Index k = m; k < system.size; ++k) column_scale[k] = kUm;
+
+  // Whitened rows; the basis at one indexed position serves all its readings.
+  Matrix6Xd at_pose;
+  IndexedPosition last{Angle::radians(1e9), Angle()};
+  const bool moves_with_point = problem.chain->has_rotary(Side::tool);
+  Eigen::RowVectorXd row(system.size);
+  const auto whiten = [&](Eigen::Index i) {
+    const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
+    const Situation& s = problem.situations[reading.row];
+    if (!(s.at == last) || moves_with_point) {
+      at_pose = gauged_basis(*problem.chain, basis, s);
+      last = s.at;
+    }
+    row.setZero();
+    row.head(m) = reading.functional.transpose() * at_pose;
+    for (const auto& [k, u] : problem.terms_of(reading)) row[m + k] += u;
+    if (extras > 0) row.tail(extras) = options.extra_columns.row(i);
+    row = row.cwiseProduct(column_scale.transpose()) / reading.sigma;
+  };
+  double sigma_log = 0, sigma_count = 0;
+  constexpr Eigen::Index kChunk = 256;
+  Eigen::MatrixXd chunk(kChunk, system.size);
+  Eigen::VectorXd chunk_y(kChunk);
+  for (int c = 0; c < 2; ++c) {
+    Eigen::Index filled = 0;
+    const auto flush = [&] {
+      if (filled == 0) return;
+      system.normal[c].selfadjointView<Eigen::Lower>().rankUpdate(chunk.topRows(filled).transpose());
+      system.rhs[c] += chunk.topRows(filled).transpose() * chunk_y.head(filled);
+      system.square[c] += chunk_y.head(filled).squaredNorm();
+      filled = 0;
+    };
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
+      const double w = weight_of(i);
+      if (reading.angular != (c == 1) || w <= 0) continue;
+      whiten(i);
+      chunk.row(filled) = std::sqrt(w) * row;
+      chunk_y[filled] = std::sqrt(w) * value_of(i) / reading.sigma;
+      ++system.count[c];
+      sigma_log += std::log(reading.sigma * (reading.angular ? 100.0 : 1.0) / kUm), ++sigma_count;
+      if (++filled == kChunk) flush();
+    }
+    flush();
+    system.normal[c].triangularView<Eigen::StrictlyUpper>() = system.normal[c].transpose();
+  }
+  const Hyperparameters hyper(basis, sigma_count > 0 ? std::exp(sigma_log / sigma_count) : 1.0);
+
+  SmoothFit fit{.basis = basis};
+  double noise[2] = {1, 1};
+  Eigen::VectorXd log_variance;
+  Eigen::MatrixXd derivative;
+  if (options.prior) {
+    fit.prior = *options.prior;
+    noise[0] = fit.prior.length_noise, noise[1] = fit.prior.angle_noise;
+    hyper.log_variances(hyper.pack(fit.prior), log_variance, derivative);
+  } else {
+    const Eigen::Index base = hyper.size();
+    const auto objective = [&](const Eigen::VectorXd& h) {
+      ValueAndGradient result;
+      result.gradient = Eigen::VectorXd::Zero(h.size());
+      double scale[2] = {1, 1};
+      if (options.free_noise)
+        for (int c = 0; c < 2; ++c) scale[c] = std::exp(h[base + c]);
+      hyper.log_variances(h, log_variance, derivative);
+      const Evaluation e = evaluate(system, log_variance, scale);
+      result.value = e.negative_log;
+      if (!std::isfinite(e.negative_log)) return result;
+      const Eigen::VectorXd by_variance =
+          0.5 * (1 - ((e.inverse.diagonal().head(m).array() + e.solution.head(m).array().square()) * (-log_variance.array()).exp()));
+      result.gradient.head(base) = derivative.transpose() * by_variance;
+      if (options.free_noise)
+        for (int c = 0; c < 2; ++c) {
+          if (system.count[c] == 0) continue;
+          // d/dlog s: count - (rss + trace(inverse normal)) / s^2
+          const double rss = system.square[c] - 2 * system.rhs[c].dot(e.solution) + e.solution.dot(system.normal[c] * e.solution);
+          result.gradient[base + c] =
+              system.count[c] - (rss + e.inverse.cwiseProduct(system.normal[c]).sum()) / (scale[c] * scale[c]);
+        }
+      Eigen::VectorXd prior_gradient = Eigen::VectorXd::Zero(base);
+      result.value += hyper.penalty(h.head(base), prior_gradient);
+      result.gradient.head(base) += prior_gradient;
+      return result;
+    };
+    Eigen::VectorXd start = Eigen::VectorXd::Zero(base + (options.free_noise ? 2 : 0));
+    start.head(base) = hyper.pack(SmoothPrior{});
+    const Minimum found = minimise(objective, start, 1e-3, 80);
+    fit.prior = hyper.unpack(found.x);
+    if (options.free_noise)
+      for (int c = 0; c < 2; ++c) noise[c] = system.count[c] > 0 ? std::exp(found.x[base + c]) : 1.0;
+    fit.prior.length_noise = noise[0], fit.prior.angle_noise = noise[1];
+    hyper.log_variances(found.x, log_variance, derivative);
+  }
+  const Evaluation e = evaluate(system, log_variance, noise);
+  fit.log_evidence = -e.negative_log;
+  const Eigen::VectorXd solution = e.solution.cwiseProduct(column_scale);
+  const Eigen::MatrixXd covariance = column_scale.asDiagonal() * e.inverse * column_scale.asDiagonal();
+  fit.coefficients = solution.head(m);
+  fit.covariance = covariance.topLeftCorner(m, m);
+  fit.unknowns = solution.segment(m, unknowns);
+  fit.extra = solution.tail(extras);
+  fit.extra_covariance = covariance.bottomRightCorner(extras, extras);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
+    whiten(i);
+    const double scale = reading.angular ? noise[1] : noise[0];
+    const double z = value_of(i) / reading.sigma - row.dot(e.solution);
+    fit.residual.push_back(z * reading.sigma);
+    const double w = weight_of(i);
+    if (w <= 0) {
+      fit.redundancy.push_back(0);
+      continue;
+    }
+    const double leverage = w * (row * e.inverse).dot(row) / (scale * scale);
+    fit.redundancy.push_back(std::clamp(1 - leverage, 0.0, 1.0));
+    fit.effective_parameters += leverage;
+    fit.weighted_rss += w * z * z / (scale * scale);
+    ++fit.readings;
+  }
+  return fit;
+}
+
+}  // namespace trunnion
