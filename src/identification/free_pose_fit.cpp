@@ -10,7 +10,7 @@
 namespace trunnion {
 namespace {
 
-constexpr double kLever_mm = 100;      // angles are scaled by it, so that all six freedoms are lengths
+constexpr double kLever_mm = 100;        // angles are scaled by it, so that all six freedoms are lengths
 constexpr double kRankTolerance = 1e-9;  // of the largest singular value
 
 const Vector6d kScale = (Vector6d() << 1, 1, 1, 1 / kLever_mm, 1 / kLever_mm, 1 / kLever_mm).finished();
@@ -108,7 +108,8 @@ struct Solution {
   Eigen::VectorXd unknowns;
 };
 
-Solution solve(const LinearProblem& problem, const Blocks& b, const std::vector<bool>& used, const std::vector<double>& value) {
+Solution solve(const LinearProblem& problem, const Blocks& b, const std::vector<bool>& used,
+               const std::vector<double>& value) {
   std::vector<Vector6d> rhs(problem.poses.size(), Vector6d::Zero());
   Eigen::VectorXd corner = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.unknowns.size()));
   for (std::size_t i = 0; i < problem.readings.size(); ++i) {
@@ -160,7 +161,8 @@ void number_columns(const LinearProblem& problem, FreePoseFit& fit) {
 
 FreePoseFit fit_free_poses(const LinearProblem& problem, const std::vector<bool>& used) {
   if (problem.has_pose_kind)
-    throw ModelError("poses seen by an instrument leave free pose errors undetermined; only a smooth map can be fitted to them");
+    throw ModelError(
+        "poses seen by an instrument leave free pose errors undetermined; only a smooth map can be fitted to them");
   const Blocks b = assemble(problem, used);
   std::vector<double> value(problem.readings.size());
   for (std::size_t i = 0; i < value.size(); ++i) value[i] = problem.readings[i].value;
@@ -190,7 +192,8 @@ FreePoseFit fit_free_poses(const LinearProblem& problem, const std::vector<bool>
   }
   fit.unknown_count += problem.unknowns.size();
   fit.rank += static_cast<std::size_t>(b.schur_rank);
-  for (const Eigen::Index k : b.undetermined) fit.undetermined_unknowns.push_back(problem.unknowns[static_cast<std::size_t>(k)]);
+  for (const Eigen::Index k : b.undetermined)
+    fit.undetermined_unknowns.push_back(problem.unknowns[static_cast<std::size_t>(k)]);
 
   // Covariance: C_pq = delta_pq N_p^-1 + (N_p^-1 B_p) S^-1 (N_q^-1 B_q)^T, and the unknowns' with it.
   std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> gain(problem.poses.size());
@@ -203,7 +206,8 @@ FreePoseFit fit_free_poses(const LinearProblem& problem, const std::vector<bool>
   fit.covariance.noalias() = border_covariance * stacked.transpose();
   for (std::size_t p = 0; p < problem.poses.size(); ++p)
     if (fit.column[p] >= 0)
-      fit.covariance.block<6, 6>(fit.column[p], fit.column[p]) += kScale.asDiagonal() * b.inverse[p].inverse * kScale.asDiagonal();
+      fit.covariance.block<6, 6>(fit.column[p], fit.column[p]) +=
+          kScale.asDiagonal() * b.inverse[p].inverse * kScale.asDiagonal();
 
   for (std::size_t i = 0; i < problem.readings.size(); ++i) {
     const Reading& reading = problem.readings[i];
@@ -220,7 +224,8 @@ FreePoseFit fit_free_poses(const LinearProblem& problem, const std::vector<bool>
     const auto terms = problem.terms_of(reading);
     if (column >= 0) {
       variance += reading.functional.dot(fit.covariance.block<6, 6>(column, column) * reading.functional);
-      for (const auto& [k, u] : terms) variance -= 2 * u * reading.functional.dot(border_covariance.block<6, 1>(column, k));
+      for (const auto& [k, u] : terms)
+        variance -= 2 * u * reading.functional.dot(border_covariance.block<6, 1>(column, k));
     }
     for (const auto& [k, u] : terms)
       for (const auto& [l, v] : terms) variance += u * v * b.schur_inverse(k, l);
@@ -259,7 +264,8 @@ FreePoseFit fit_two_step(const LinearProblem& problem) {
     normal[reading.pose] += g * g.transpose();
     rhs[reading.pose] += difference * g;
   }
-  // Each pose's estimate is linear in its own readings and in the reference means: keep both operators for the covariance.
+  // Each pose's estimate is linear in its own readings and in the reference means: keep both operators for the
+  // covariance.
   Eigen::MatrixXd of_reference = Eigen::MatrixXd::Zero(fit.covariance.rows(), static_cast<Eigen::Index>(unknowns));
   std::vector<BlockInverse> inverse(problem.poses.size());
   for (std::size_t p = 0; p < problem.poses.size(); ++p) {
@@ -278,7 +284,8 @@ FreePoseFit fit_two_step(const LinearProblem& problem) {
     if (column >= 0) {
       const Vector6d operator_column =
           kScale.asDiagonal() * (inverse[reading.pose].inverse * reading.functional.cwiseProduct(kScale));
-      fit.covariance.block<6, 6>(column, column) += std::pow(reading.sigma, 2) * operator_column * operator_column.transpose();
+      fit.covariance.block<6, 6>(column, column) +=
+          std::pow(reading.sigma, 2) * operator_column * operator_column.transpose();
       of_reference.block<6, 1>(column, k) -= u * operator_column;
     }
     const double residual = reading.value - u * fit.unknowns[static_cast<Eigen::Index>(k)] -
@@ -296,7 +303,8 @@ FreePoseFit fit_two_step(const LinearProblem& problem) {
     fit.covariance += std::pow(reference_sigma[k], 2) / reference_count[k] * column * column.transpose();
   }
   fit.unknown_count += unknowns;
-  fit.rank += static_cast<std::size_t>(std::count_if(reference_count.begin(), reference_count.end(), [](double n) { return n > 0; }));
+  fit.rank += static_cast<std::size_t>(
+      std::count_if(reference_count.begin(), reference_count.end(), [](double n) { return n > 0; }));
   return fit;
 }
 

@@ -95,11 +95,16 @@ class Builder {
 
   void add(std::size_t r) {
     switch (set_.rows[r].kind) {
-      case ReadingKind::contact: return add_contact(r);
-      case ReadingKind::displacement: return add_displacement(r);
-      case ReadingKind::rotation: return add_rotation(r);
-      case ReadingKind::pose: return add_pose(r);
-      case ReadingKind::none: break;
+      case ReadingKind::contact:
+        return add_contact(r);
+      case ReadingKind::displacement:
+        return add_displacement(r);
+      case ReadingKind::rotation:
+        return add_rotation(r);
+      case ReadingKind::pose:
+        return add_pose(r);
+      case ReadingKind::none:
+        break;
     }
   }
 
@@ -135,8 +140,7 @@ class Builder {
     const auto [entry, added] = balls_.emplace(row.point, static_cast<std::uint32_t>(problem_.unknowns.size()));
     if (added)
       for (const char* axis : {"X", "Y", "Z"}) name_unknown("place of ball " + label + " in " + axis);
-    for (int k = 0; k < 3; ++k)
-      problem_.terms.emplace_back(entry->second + static_cast<std::uint32_t>(k), in_w[k]);
+    for (int k = 0; k < 3; ++k) problem_.terms.emplace_back(entry->second + static_cast<std::uint32_t>(k), in_w[k]);
     finish(reading);
   }
 

@@ -15,8 +15,8 @@ namespace trunnion {
 /// One scalar reading, linear in the pose error of its indexed position and in the unknowns of the measurement:
 ///   value = functional . Delta + sum coefficient * unknown + noise      (value: mm or rad, observed minus nominal)
 /// contact: n . (p - R q_k) with [n, p x n] and the spot's offset s_k (Ibaraki, Iritani & Matsushita 2010, Eq. 7);
-/// displacement: the same with the ball's three constants; rotation: [0, m] and the artifact's zero; pose: six rows, taken
-/// at the target's origin, with the twelve constants of the instrument's and the target's mounting.
+/// displacement: the same with the ball's three constants; rotation: [0, m] and the artifact's zero; pose: six rows,
+/// taken at the target's origin, with the twelve constants of the instrument's and the target's mounting.
 struct Reading {
   std::uint32_t row = 0;   ///< of the observation set
   std::uint32_t pose = 0;  ///< index into LinearProblem::poses
@@ -40,20 +40,21 @@ struct LinearProblem {
   std::vector<MeasurementTerm> terms;
   std::vector<std::string> unknowns;  ///< names of the measurement's unknowns: "spot 1S1", "zero of encoder" …
   std::vector<Situation> situations;  ///< one per observation row
-  bool has_pose_kind = false;   ///< mounts of instrument and target are unknowns: only a smooth map can be fitted
-  bool sigma_declared = true;   ///< false where the noise level has to be found from the data themselves
+  bool has_pose_kind = false;         ///< mounts of instrument and target are unknowns: only a smooth map can be fitted
+  bool sigma_declared = true;         ///< false where the noise level has to be found from the data themselves
 
   std::span<const MeasurementTerm> terms_of(const Reading& reading) const {
     return {terms.data() + reading.first_term, reading.term_count};
   }
 };
 
-/// Builds the problem. Throws InputError, naming file and line, for a contact set without the reference pose, a spot that
-/// stands more than 1 mm or 3 deg from where its label puts it (a mixed-up label, unit or sense of rotation), or no rows.
+/// Builds the problem. Throws InputError, naming file and line, for a contact set without the reference pose, a spot
+/// that stands more than 1 mm or 3 deg from where its label puts it (a mixed-up label, unit or sense of rotation), or
+/// no rows.
 LinearProblem make_linear_problem(const ObservationSet& observations, const Machine& machine);
 
-/// What the exact reading of a touch exceeds its linear form by, mm: the face, carried by T(Delta), met along the commanded
-/// approach. Zero for other kinds. `spot_offset_mm` is the solved s_k.
+/// What the exact reading of a touch exceeds its linear form by, mm: the face, carried by T(Delta), met along the
+/// commanded approach. Zero for other kinds. `spot_offset_mm` is the solved s_k.
 double nonlinear_excess_mm(const LinearProblem& problem, const Reading& reading, const PoseError& delta,
                            double spot_offset_mm);
 

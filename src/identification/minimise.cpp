@@ -21,7 +21,8 @@ Minimum minimise(const std::function<ValueAndGradient(const Eigen::VectorXd&)>& 
       if (!(slope < 0)) break;
     }
     constexpr double kLongest = 3;  // the functions minimised here live on logarithms
-    if (const double length = step.cwiseAbs().maxCoeff(); length > kLongest) step *= kLongest / length, slope *= kLongest / length;
+    if (const double length = step.cwiseAbs().maxCoeff(); length > kLongest)
+      step *= kLongest / length, slope *= kLongest / length;
     ValueAndGradient there;
     double t = 1;
     bool lower = false;
@@ -38,7 +39,8 @@ Minimum minimise(const std::function<ValueAndGradient(const Eigen::VectorXd&)>& 
     const double gain = here.value - there.value, sy = s.dot(y);
     if (sy > 1e-12 * s.norm() * y.norm()) {
       const Eigen::VectorXd hy = inverse_hessian * y;
-      inverse_hessian += ((sy + y.dot(hy)) / (sy * sy)) * s * s.transpose() - (hy * s.transpose() + s * hy.transpose()) / sy;
+      inverse_hessian +=
+          ((sy + y.dot(hy)) / (sy * sy)) * s * s.transpose() - (hy * s.transpose() + s * hy.transpose()) / sy;
     }
     x += s;
     here = there;

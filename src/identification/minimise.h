@@ -17,8 +17,9 @@ struct Minimum {
   int evaluations = 0;
 };
 
-/// A local minimum from `start` by BFGS with backtracking (Nocedal & Wright, Numerical Optimization, 2nd ed., ch. 6). Ends
-/// when an iteration gains less than `tolerance`, or after `most` evaluations; a value that is not finite is backed away from.
+/// A local minimum from `start` by BFGS with backtracking (Nocedal & Wright, Numerical Optimization, 2nd ed., ch. 6).
+/// Ends when an iteration gains less than `tolerance`, or after `most` evaluations; a value that is not finite is
+/// backed away from.
 Minimum minimise(const std::function<ValueAndGradient(const Eigen::VectorXd&)>& function, const Eigen::VectorXd& start,
                  double tolerance, int most);
 

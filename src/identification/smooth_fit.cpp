@@ -34,17 +34,23 @@ class Hyperparameters {
 
   Eigen::VectorXd pack(const SmoothPrior& p) const {
     Eigen::VectorXd h(size());
-    h.head<6>() << std::log(p.tilt_um), std::log(p.tilt_urad), std::log(p.tilt_decay), std::log(p.turn_um), std::log(p.turn_urad),
-        std::log(p.turn_decay);
+    h.head<6>() << std::log(p.tilt_um), std::log(p.tilt_urad), std::log(p.tilt_decay), std::log(p.turn_um),
+        std::log(p.turn_urad), std::log(p.turn_decay);
     for (Eigen::Index j = 6; j < h.size(); ++j) {
-      const double ratio = static_cast<std::size_t>(j - 6) < p.harmonic_ratio.size() ? p.harmonic_ratio[static_cast<std::size_t>(j - 6)] : 0.5;
+      const double ratio = static_cast<std::size_t>(j - 6) < p.harmonic_ratio.size()
+                               ? p.harmonic_ratio[static_cast<std::size_t>(j - 6)]
+                               : 0.5;
       h[j] = std::log(ratio / (1 - ratio));
     }
     return h;
   }
   SmoothPrior unpack(const Eigen::VectorXd& h) const {
-    SmoothPrior p{.tilt_um = std::exp(h[0]), .tilt_urad = std::exp(h[1]), .tilt_decay = std::exp(h[2]),
-                  .turn_um = std::exp(h[3]), .turn_urad = std::exp(h[4]), .turn_decay = std::exp(h[5])};
+    SmoothPrior p{.tilt_um = std::exp(h[0]),
+                  .tilt_urad = std::exp(h[1]),
+                  .tilt_decay = std::exp(h[2]),
+                  .turn_um = std::exp(h[3]),
+                  .turn_urad = std::exp(h[4]),
+                  .turn_decay = std::exp(h[5])};
     for (Eigen::Index j = 6; j < h.size(); ++j) p.harmonic_ratio.push_back(1 / (1 + std::exp(-h[j])));
     return p;
   }
@@ -172,9 +178,12 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     system.rhs[c] = Eigen::VectorXd::Zero(system.size);
   }
   const auto n = static_cast<Eigen::Index>(problem.readings.size());
-  const auto weight_of = [&](Eigen::Index i) { return options.weights.empty() ? 1.0 : options.weights[static_cast<std::size_t>(i)]; };
+  const auto weight_of = [&](Eigen::Index i) {
+    return options.weights.empty() ? 1.0 : options.weights[static_cast<std::size_t>(i)];
+  };
   const auto value_of = [&](Eigen::Index i) {
-    return options.values.empty() ? problem.readings[static_cast<std::size_t>(i)].value : options.values[static_cast<std::size_t>(i)];
+    return options.values.empty() ? problem.readings[static_cast<std::size_t>(i)].value
+                                  : options.values[static_cast<std::size_t>(i)];
   };
   Eigen::VectorXd column_scale(system.size);
   for (Eigen::Index k = 0; k < m; ++k) column_scale[k] = coefficient_scale(k);
@@ -248,13 +257,15 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
       result.value = e.negative_log;
       if (!std::isfinite(e.negative_log)) return result;
       const Eigen::VectorXd by_variance =
-          0.5 * (1 - ((e.inverse.diagonal().head(m).array() + e.solution.head(m).array().square()) * (-log_variance.array()).exp()));
+          0.5 * (1 - ((e.inverse.diagonal().head(m).array() + e.solution.head(m).array().square()) *
+                      (-log_variance.array()).exp()));
       result.gradient.head(base) = derivative.transpose() * by_variance;
       if (options.free_noise)
         for (int c = 0; c < 2; ++c) {
           if (system.count[c] == 0) continue;
           // d/dlog s: count - (rss + trace(inverse normal)) / s^2
-          const double rss = system.square[c] - 2 * system.rhs[c].dot(e.solution) + e.solution.dot(system.normal[c] * e.solution);
+          const double rss =
+              system.square[c] - 2 * system.rhs[c].dot(e.solution) + e.solution.dot(system.normal[c] * e.solution);
           result.gradient[base + c] =
               system.count[c] - (rss + e.inverse.cwiseProduct(system.normal[c]).sum()) / (scale[c] * scale[c]);
         }

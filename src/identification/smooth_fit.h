@@ -9,10 +9,10 @@
 
 namespace trunnion {
 
-/// The prior of a smooth map: a Gaussian process over (a, c), periodic in c, told by the standard deviations of its coefficients in a
-/// HarmonicBasis. Degree k of the tilt falls as exp(-tilt_decay k); C's functions of the tilt as exp(-turn_decay k);
-/// the amplitude of harmonic h is that of h - 1 times harmonic_ratio[h - 2] < 1. Constants of both axes (location errors)
-/// are left free.
+/// The prior of a smooth map: a Gaussian process over (a, c), periodic in c, told by the standard deviations of its
+/// coefficients in a HarmonicBasis. Degree k of the tilt falls as exp(-tilt_decay k); C's functions of the tilt as
+/// exp(-turn_decay k); the amplitude of harmonic h is that of h - 1 times harmonic_ratio[h - 2] < 1. Constants of both
+/// axes (location errors) are left free.
 struct SmoothPrior {
   double tilt_um = 3, tilt_urad = 10, tilt_decay = 0.8;
   double turn_um = 2, turn_urad = 8, turn_decay = 0.8;
@@ -25,33 +25,34 @@ struct SmoothOptions {
   bool free_noise = false;           ///< the noise level is found too
   std::vector<double> weights;       ///< one per reading on 1/sigma^2, 0 leaves it out; empty: all 1
   std::vector<double> values;        ///< replaces Reading::value (relinearised readings); empty: as they are
-  Eigen::MatrixXd extra_columns;     ///< further unknowns without prior: one row per reading (mm or rad), one column each
+  Eigen::MatrixXd extra_columns;  ///< further unknowns without prior: one row per reading (mm or rad), one column each
 };
 
 /// A map as one smooth function through all readings, with the measurement's unknowns.
 struct SmoothFit {
   HarmonicBasis basis;
   SmoothPrior prior;
-  Eigen::VectorXd coefficients;      ///< of a HarmonicSurface, mm and rad
-  Eigen::MatrixXd covariance;        ///< posterior, of the coefficients
-  Eigen::VectorXd unknowns;          ///< the measurement's
-  Eigen::VectorXd extra;             ///< of extra_columns
+  Eigen::VectorXd coefficients;  ///< of a HarmonicSurface, mm and rad
+  Eigen::MatrixXd covariance;    ///< posterior, of the coefficients
+  Eigen::VectorXd unknowns;      ///< the measurement's
+  Eigen::VectorXd extra;         ///< of extra_columns
   Eigen::MatrixXd extra_covariance;
-  std::vector<double> residual;      ///< observed minus fitted, per reading, mm or rad
-  std::vector<double> redundancy;    ///< 1 - h_ii of each reading used; 0 for those left out
+  std::vector<double> residual;    ///< observed minus fitted, per reading, mm or rad
+  std::vector<double> redundancy;  ///< 1 - h_ii of each reading used; 0 for those left out
   double weighted_rss = 0;
-  double log_evidence = 0;           ///< restricted log likelihood, up to a constant of the data
-  double effective_parameters = 0;   ///< trace of the influence, unknowns included
+  double log_evidence = 0;          ///< restricted log likelihood, up to a constant of the data
+  double effective_parameters = 0;  ///< trace of the influence, unknowns included
   std::size_t readings = 0;
 };
 
-/// The basis that a set of poses can carry: harmonics up to what the C positions resolve (at most `most_harmonics`), the tilt's degree
-/// and C's functions of the tilt by how many tilts there are.
+/// The basis that a set of poses can carry: harmonics up to what the C positions resolve (at most `most_harmonics`),
+/// the tilt's degree and C's functions of the tilt by how many tilts there are.
 HarmonicBasis basis_for(const LinearProblem& problem, int most_harmonics = 6);
 
 SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothOptions& options = {});
 
-/// The 6 x m derivative of the pose error at `situation` by the coefficients of a HarmonicSurface, gauged at the reference pose.
+/// The 6 x m derivative of the pose error at `situation` by the coefficients of a HarmonicSurface, gauged at the
+/// reference pose.
 Matrix6Xd gauged_basis(const KinematicChain& chain, const HarmonicBasis& basis, const Situation& situation);
 
 }  // namespace trunnion

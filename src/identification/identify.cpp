@@ -1,0 +1,373 @@
+#include "identification/identify.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "error.h"
+#include "geometric_errors/symbol.h"
+#include "identification/distributions.h"
+#include "identification/map_grid.h"
+#include "model/effects/location_errors.h"
+
+namespace trunnion {
+namespace {
+
+constexpr double kLever_mm = 100;
+
+Situation at_position(IndexedPosition at) {
+  Situation s;
+  s.at = at;
+  return s;
+}
+
+/// Chi-square of `values` against zero on what their covariance spans.
+struct Quadratic {
+  double value = 0, freedom = 0;
+};
+Quadratic mahalanobis(const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  Quadratic result;
+  if (scale.size() == 0 || scale.maxCoeff() <= 0) return result;
+  const Eigen::VectorXd unit = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
+  const double largest = eigen.eigenvalues().maxCoeff();
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    if (eigen.eigenvalues()[k] < 1e-8 * largest) continue;
+    result.value += std::pow(eigen.eigenvectors().col(k).dot(unit.cwiseProduct(values)), 2) / eigen.eigenvalues()[k];
+    ++result.freedom;
+  }
+  return result;
+}
+
+/// The eight location errors by generalised least squares on the free pose errors.
+LocationFinding find_locations(const LinearProblem& problem, const FreePoseFit& fit, const Machine& machine) {
+  LocationFinding finding;
+  const EffectPtr effect = make_location_errors(effect_context(machine));
+  for (const Parameter& p : effect->parameters()) finding.symbols.push_back(p.name), finding.units.push_back(p.unit);
+  Eigen::MatrixXd design(fit.covariance.rows(), 8);
+  Eigen::VectorXd delta(fit.covariance.rows());
+  for (std::size_t p = 0; p < problem.poses.size(); ++p) {
+    if (fit.column[p] < 0) continue;
+    design.middleRows<6>(fit.column[p]) = effect->basis(at_position(problem.poses[p].at));
+    delta.segment<6>(fit.column[p]) = fit.delta[p].vector();
+  }
+  // Whiten on what was seen: C = V L V^T.
+  Eigen::VectorXd scale = fit.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  scale = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * fit.covariance * scale.asDiagonal());
+  const double largest = eigen.eigenvalues().maxCoeff();
+  Eigen::MatrixXd x = eigen.eigenvectors().transpose() * (scale.asDiagonal() * design);
+  Eigen::VectorXd y = eigen.eigenvectors().transpose() * scale.cwiseProduct(delta);
+  double rows = 0;
+  for (Eigen::Index k = 0; k < y.size(); ++k) {
+    const double value = eigen.eigenvalues()[k];
+    const double w = value > 1e-9 * largest ? 1 / std::sqrt(value) : 0;
+    rows += w > 0 ? 1 : 0;
+    x.row(k) *= w;
+    y[k] *= w;
+  }
+  Eigen::VectorXd unit(8);
+  for (Eigen::Index k = 0; k < 8; ++k) unit[k] = finding.units[static_cast<std::size_t>(k)] == Unit::um ? 1e-3 : 1e-6;
+  const Eigen::MatrixXd scaled = x * unit.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> normal(Eigen::MatrixXd(scaled.transpose() * scaled));
+  finding.values = unit.cwiseProduct(normal.solve(scaled.transpose() * y));
+  finding.covariance = unit.asDiagonal() * normal.solve(Eigen::MatrixXd::Identity(8, 8)) * unit.asDiagonal();
+  finding.chi_square = (y - x * finding.values).squaredNorm();
+  finding.freedom = rows - 8;
+  finding.p_value = chi_square_tail(finding.chi_square, finding.freedom);
+  return finding;
+}
+
+std::vector<ErrorFinding> summarise(const RotaryMapContent& content, char tilt_letter) {
+  std::vector<ErrorFinding> findings;
+  const Eigen::VectorXd values = content.grid.coefficients();
+  for (const bool turn : {false, true})
+    for (std::size_t c = 0; c < 6; ++c) {
+      ErrorFinding f{.symbol = error_symbol(c, turn ? 'C' : tilt_letter), .unit = component_unit(c)};
+      std::vector<Eigen::Index> rows;
+      std::vector<IndexedPosition> places;
+      for (std::size_t i = 0; i < content.grid.a_stations.size(); ++i)
+        for (std::size_t j = 0; j < (turn ? content.grid.c_stations.size() : 1); ++j) {
+          const std::size_t k = (turn ? content.grid.turn_offset(i, j) : content.grid.tilt_offset(i)) + c;
+          if (!content.unseen.empty() && content.unseen[k]) continue;
+          rows.push_back(static_cast<Eigen::Index>(k));
+          places.push_back({content.grid.a_stations[i], turn ? content.grid.c_stations[j] : Angle()});
+        }
+      const auto n = static_cast<Eigen::Index>(rows.size());
+      Eigen::VectorXd v(n);
+      Eigen::MatrixXd covariance(n, n);
+      for (Eigen::Index r = 0; r < n; ++r) {
+        v[r] = values[rows[static_cast<std::size_t>(r)]];
+        for (Eigen::Index s = 0; s < n; ++s)
+          covariance(r, s) =
+              content.grid_covariance(rows[static_cast<std::size_t>(r)], rows[static_cast<std::size_t>(s)]);
+      }
+      if (n > 0) {
+        Eigen::Index largest = 0;
+        v.cwiseAbs().maxCoeff(&largest);
+        f.largest = v[largest];
+        f.largest_std = std::sqrt(std::max(0.0, covariance(largest, largest)));
+        f.largest_at = places[static_cast<std::size_t>(largest)];
+        f.rms_std = std::sqrt(std::max(0.0, covariance.diagonal().mean()));
+        const Quadratic q = mahalanobis(v, covariance);
+        f.p_value = chi_square_tail(q.value, q.freedom);
+        f.told_from_zero = f.p_value < 0.01;
+      }
+      findings.push_back(std::move(f));
+    }
+  return findings;
+}
+
+/// Adds up how far predictions are off, as displacements.
+struct Score {
+  double um2 = 0, urad2 = 0, score2 = 0;
+  std::size_t poses = 0;
+  void add(const Vector6d& error) {
+    um2 += error.head<3>().squaredNorm() * 1e6;
+    urad2 += error.tail<3>().squaredNorm() * 1e12;
+    score2 += (error.head<3>().squaredNorm() + kLever_mm * kLever_mm * error.tail<3>().squaredNorm()) * 1e6;
+    ++poses;
+  }
+  InterpolationEvidence evidence(const std::string& method) const {
+    const double n = std::max<double>(1, static_cast<double>(poses));
+    return {method, std::sqrt(um2 / n), std::sqrt(urad2 / n), std::sqrt(score2 / n), poses};
+  }
+};
+
+/// The groups of poses that are left out together: whole C columns, interior A rows, and the check poses.
+struct Fold {
+  std::vector<std::size_t> poses;
+  bool check = false;
+};
+std::vector<Fold> folds_of(const LinearProblem& problem, const PoseGrid& grid) {
+  std::vector<Fold> folds;
+  const std::size_t columns = grid.c_stations.size();
+  const auto collect = [&](auto belongs) {
+    Fold fold;
+    for (std::size_t k = 0; k < grid.pose_at.size(); ++k)
+      if (grid.pose_at[k] >= 0 && belongs(k / columns, k % columns) &&
+          !problem.poses[static_cast<std::size_t>(grid.pose_at[k])].reference)
+        fold.poses.push_back(static_cast<std::size_t>(grid.pose_at[k]));
+    if (!fold.poses.empty()) folds.push_back(std::move(fold));
+  };
+  if (columns >= 3)
+    for (std::size_t j = 0; j < columns; ++j) collect([j](std::size_t, std::size_t column) { return column == j; });
+  for (std::size_t i = 1; i + 1 < grid.a_stations.size(); ++i)
+    collect([i](std::size_t row, std::size_t) { return row == i; });
+  if (!grid.off_grid.empty()) folds.push_back({grid.off_grid, true});
+  return folds;
+}
+
+ErrorGrid without(const ErrorGrid& grid, std::optional<std::size_t> row, std::optional<std::size_t> column) {
+  std::vector<Angle> a = grid.a_stations, c = grid.c_stations;
+  if (row) a.erase(a.begin() + static_cast<std::ptrdiff_t>(*row));
+  if (column) c.erase(c.begin() + static_cast<std::ptrdiff_t>(*column));
+  ErrorGrid result = zero_grid(a, c);
+  std::size_t r = 0;
+  for (std::size_t i = 0; i < grid.a_stations.size(); ++i) {
+    if (row && *row == i) continue;
+    result.tilt[r] = grid.tilt[i];
+    std::size_t k = 0;
+    for (std::size_t j = 0; j < grid.c_stations.size(); ++j)
+      if (!(column && *column == j)) result.turn[r * c.size() + k++] = grid.turn[i * grid.c_stations.size() + j];
+    ++r;
+  }
+  return result;
+}
+
+/// Prediction of left-out positions by an interpolant of the nodes.
+InterpolationEvidence node_evidence(Interpolation method, const LinearProblem& problem, const PoseGrid& grid,
+                                    const ErrorGrid& values, const FreePoseFit& fit) {
+  Score score;
+  const KinematicChain& chain = *problem.chain;
+  const auto predict = [&](const ErrorSurface& surface, const ErrorSurface& whole, IndexedPosition at) {
+    return relative_pose_error(chain, at, surface.at(at), whole.at({}), {}).vector();
+  };
+  const std::unique_ptr<ErrorSurface> whole = make_surface(method, values);
+  const std::size_t columns = grid.c_stations.size();
+  const auto leave = [&](std::optional<std::size_t> row, std::optional<std::size_t> column) {
+    const std::unique_ptr<ErrorSurface> surface = make_surface(method, without(values, row, column));
+    for (std::size_t k = 0; k < grid.pose_at.size(); ++k) {
+      if ((row && k / columns != *row) || (column && k % columns != *column) || grid.pose_at[k] < 0) continue;
+      const auto p = static_cast<std::size_t>(grid.pose_at[k]);
+      if (problem.poses[p].reference) continue;
+      const IndexedPosition at{grid.a_stations[k / columns], grid.c_stations[k % columns]};
+      score.add(predict(*surface, *whole, at) - fit.delta[p].vector());
+    }
+  };
+  if (columns >= 3)
+    for (std::size_t j = 0; j < columns; ++j) leave({}, j);
+  for (std::size_t i = 1; i + 1 < grid.a_stations.size(); ++i) leave(i, {});
+  for (const std::size_t p : grid.off_grid)
+    if (whole->covers(problem.poses[p].at.a) && !problem.poses[p].reference)
+      score.add(predict(*whole, *whole, problem.poses[p].at) - fit.delta[p].vector());
+  return score.evidence(std::string(interpolation_name(method)));
+}
+
+InterpolationEvidence smooth_evidence(const LinearProblem& problem, const PoseGrid& grid, const FreePoseFit& fit,
+                                      const SmoothFit& smooth, const std::vector<bool>& used,
+                                      const std::vector<double>& values) {
+  Score score;
+  for (const Fold& fold : folds_of(problem, grid)) {
+    std::vector<bool> left_out(problem.poses.size(), false);
+    for (const std::size_t p : fold.poses) left_out[p] = true;
+    SmoothOptions options{.prior = smooth.prior, .values = values};
+    for (std::size_t i = 0; i < problem.readings.size(); ++i)
+      options.weights.push_back(left_out[problem.readings[i].pose] || !used[i] ? 0.0 : 1.0);
+    const SmoothFit partial = fit_smooth(problem, smooth.basis, options);
+    for (const std::size_t p : fold.poses)
+      if (!problem.poses[p].reference)
+        score.add(gauged_basis(*problem.chain, smooth.basis, at_position(problem.poses[p].at)) * partial.coefficients -
+                  fit.delta[p].vector());
+  }
+  return score.evidence("gaussian-process");
+}
+
+/// What an interpolant of the nodes misses between them, if the truth is what the smooth fit says and is spread about
+/// as its posterior: root mean square over positions halfway.
+void set_interpolation_sigma(RotaryMapContent& content, const LinearProblem& problem, const SmoothFit& smooth,
+                             const PoseGrid& grid) {
+  const std::unique_ptr<ErrorSurface> nodes = make_surface(content.interpolation, content.grid);
+  double length2 = 0, angle2 = 0, count = 0;
+  for (std::size_t i = 0; i + 1 < std::max<std::size_t>(2, grid.a_stations.size()); ++i)
+    for (std::size_t j = 0; j < grid.c_stations.size(); ++j) {
+      const Angle a =
+          grid.a_stations.size() > 1 ? 0.5 * (grid.a_stations[i] + grid.a_stations[i + 1]) : grid.a_stations[0];
+      const Angle next = j + 1 < grid.c_stations.size() ? grid.c_stations[j + 1] : grid.c_stations[0] + kFullTurn;
+      const IndexedPosition at{a, 0.5 * (grid.c_stations[j] + next)};
+      const Vector6d here = relative_pose_error(*problem.chain, at, nodes->at(at), nodes->at({}), {}).vector();
+      const Matrix6Xd b = gauged_basis(*problem.chain, smooth.basis, at_position(at));
+      const Vector6d gap = here - b * smooth.coefficients;
+      const Vector6d spread = (b * smooth.covariance * b.transpose()).diagonal();
+      length2 += (gap.head<3>().squaredNorm() + spread.head<3>().sum()) / 3;
+      angle2 += (gap.tail<3>().squaredNorm() + spread.tail<3>().sum()) / 3;
+      ++count;
+    }
+  content.interpolation_sigma_mm = std::sqrt(length2 / count);
+  content.interpolation_sigma_rad = std::sqrt(angle2 / count);
+}
+
+double rms_sigma_um(const LinearProblem& problem) {
+  double sum = 0;
+  for (const Reading& reading : problem.readings) sum += std::pow(reading.sigma * (reading.angular ? kLever_mm : 1), 2);
+  return 1e3 * std::sqrt(sum / static_cast<double>(problem.readings.size()));
+}
+
+void set_smooth(RotaryMapContent& content, const SmoothFit& smooth) {
+  content.smooth_basis = smooth.basis;
+  content.smooth_method = "gaussian-process";
+  content.smooth_coefficients = smooth.coefficients;
+  content.smooth_covariance = smooth.covariance;
+}
+
+}  // namespace
+
+IdentificationResult identify(const ObservationSet& observations, const Machine& machine,
+                              const IdentificationOptions& options) {
+  IdentificationResult result{.method = options.method, .problem = make_linear_problem(observations, machine)};
+  const LinearProblem& problem = result.problem;
+  const EffectContext context = effect_context(machine);
+  result.model.machine = {machine.name, machine.serial, machine.structure.code};
+  const HarmonicBasis basis = basis_for(problem);
+  const bool two_step = options.method == IdentificationMethod::two_step;
+  if (two_step && problem.has_pose_kind)
+    throw InputError(observations.files.front(), "the two-step method knows contact readings only; use --method joint");
+  const bool free_poses = !problem.has_pose_kind && !problem.chain->has_rotary(Side::tool);
+
+  SmoothOptions smooth_options{.free_noise = !problem.sigma_declared};
+  std::vector<bool> used(problem.readings.size(), true);
+  if (options.robust && !two_step) {
+    OutlierSearch search = find_outliers(problem, basis, smooth_options);
+    result.outliers = std::move(search.removed);
+    result.crowded = std::move(search.crowded);
+    result.crowd = std::move(search.crowd);
+    used = std::move(search.used);
+    result.smooth = std::move(search.fit);
+  } else {
+    result.smooth = fit_smooth(problem, basis, smooth_options);
+  }
+
+  const PoseGrid grid = find_grid(problem.poses);
+  RotaryMapContent content;
+  std::optional<FreePoseFit> fit;
+  double rss = result.smooth.weighted_rss;
+  result.readings = result.smooth.readings;
+  result.unknowns = static_cast<std::size_t>(basis.coefficient_count()) + problem.unknowns.size();
+  result.rank = result.unknowns;
+  result.freedom = static_cast<double>(result.readings) - result.smooth.effective_parameters;
+  std::vector<double> redundancy = result.smooth.redundancy;
+  if (free_poses) {
+    fit = two_step ? fit_two_step(problem) : fit_free_poses(problem, used);
+    rss = fit->weighted_rss;
+    result.readings = fit->readings;
+    result.unknowns = fit->unknown_count;
+    result.rank = fit->rank;
+    result.condition = fit->condition;
+    result.freedom = static_cast<double>(fit->degrees_of_freedom());
+    result.unseen = fit->unseen;
+    result.undetermined = fit->undetermined_unknowns;
+    redundancy = fit->redundancy;
+  }
+  for (std::size_t i = 0; i < redundancy.size(); ++i) {
+    if (!used[i]) continue;
+    result.worst_redundancy = std::min(result.worst_redundancy, redundancy[i]);
+    if (redundancy[i] < 1e-6) result.unchecked.push_back(i);
+  }
+  result.sigma_declared_um = rms_sigma_um(problem);
+  result.reduced_chi_square = result.freedom > 0 ? rss / result.freedom : 1;
+  result.sigma_found_um = result.sigma_declared_um * std::sqrt(result.reduced_chi_square);
+  result.chi_square_p = chi_square_tail(rss, result.freedom);
+  if (free_poses && result.chi_square_p < 1e-3) result.uncertainty_scale = std::sqrt(result.reduced_chi_square);
+  const double scale2 = result.uncertainty_scale * result.uncertainty_scale;
+  result.smooth.covariance *= scale2;
+  if (fit) fit->covariance *= scale2;
+
+  if (fit) {
+    content = map_from_poses(problem, grid, *fit, result.smooth);
+    for (std::size_t k = 0; k < grid.pose_at.size(); ++k)
+      if (grid.pose_at[k] < 0)
+        result.interpolated_nodes.push_back(
+            {grid.a_stations[k / grid.c_stations.size()], grid.c_stations[k % grid.c_stations.size()]});
+    result.location = find_locations(problem, *fit, machine);
+  } else {
+    content = map_from_surface(problem, grid, result.smooth);
+  }
+
+  // Between the nodes: what predicts best what was left out.
+  const bool full_grid = fit && grid.missing() == 0 && fit->unseen.empty();
+  if (full_grid && grid.a_stations.size() > 1 && grid.c_stations.size() > 2) {
+    for (const Interpolation method : {Interpolation::trig_cubic, Interpolation::bilinear})
+      result.interpolation.push_back(node_evidence(method, problem, grid, content.grid, *fit));
+    if (!two_step) result.interpolation.push_back(smooth_evidence(problem, grid, *fit, result.smooth, used, {}));
+  }
+  result.chosen_interpolation = options.interpolation;
+  if (result.chosen_interpolation.empty()) {
+    if (two_step) {
+      result.chosen_interpolation = "bilinear";  // as the paper's control does
+    } else if (result.interpolation.empty()) {
+      result.chosen_interpolation = "gaussian-process";
+    } else {
+      result.chosen_interpolation =
+          std::ranges::min_element(result.interpolation, {}, &InterpolationEvidence::score_um)->method;
+    }
+  }
+  const bool unseen = fit && !fit->unseen.empty();
+  if (result.chosen_interpolation == "gaussian-process") {
+    if (!unseen || options.fill) set_smooth(content, result.smooth);
+  } else if (const auto method = interpolation_from_name(result.chosen_interpolation)) {
+    content.interpolation = *method;
+    set_interpolation_sigma(content, problem, result.smooth, grid);
+    if (unseen && options.fill) set_smooth(content, result.smooth);
+  } else {
+    throw UsageError("--interpolation: \"" + result.chosen_interpolation +
+                     "\" found, one of gaussian-process, trig-cubic, bilinear, natural-neighbour is wanted");
+  }
+  result.errors = summarise(content, machine.tilt_letter());
+  result.model.effects.push_back(std::make_shared<RotaryErrorMap>(std::move(content), context));
+  return result;
+}
+
+}  // namespace trunnion

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/free_pose_fit.h"
+#include "identification/outliers.h"
+#include "model/effects/rotary_error_map.h"
+#include "model/model.h"
+
+namespace trunnion {
+
+enum class IdentificationMethod { joint, two_step };
+
+struct IdentificationOptions {
+  IdentificationMethod method = IdentificationMethod::joint;
+  bool robust = true;         ///< look for outliers and leave them out
+  bool fill = false;          ///< let the smooth fit stand in for freedoms that no reading determined
+  std::string interpolation;  ///< a method's name; empty: chosen by evidence
+};
+
+/// Location errors found in the map, as if nothing else were wrong, and whether that would do.
+struct LocationFinding {
+  std::vector<std::string> symbols;
+  std::vector<Unit> units;
+  Eigen::VectorXd values;  ///< mm, rad
+  Eigen::MatrixXd covariance;
+  double chi_square = 0, freedom = 0, p_value = 1;  ///< of the pose errors that location errors do not explain
+};
+
+/// One error function as a whole.
+struct ErrorFinding {
+  std::string symbol;
+  Unit unit = Unit::um;
+  double largest = 0;      ///< the value of largest size, inside units
+  double largest_std = 0;  ///< its standard uncertainty
+  IndexedPosition largest_at;
+  double rms_std = 0;
+  double p_value = 1;           ///< that noise alone would give as much
+  bool told_from_zero = false;  ///< p_value below 1 %
+};
+
+/// How well a way of interpolating predicts whole C columns, interior A rows and check poses left out.
+struct InterpolationEvidence {
+  std::string method;
+  double rms_um = 0;    ///< of D
+  double rms_urad = 0;  ///< of theta
+  double score_um = 0;  ///< of the displacement at a lever of 100 mm: what is compared
+  std::size_t poses = 0;
+};
+
+struct IdentificationResult {
+  Model model;  ///< the rotary error map alone
+  IdentificationMethod method = IdentificationMethod::joint;
+  std::size_t readings = 0, unknowns = 0, rank = 0;
+  double condition = 0;
+  double sigma_declared_um = 0;  ///< root mean square over the readings, rotations at a lever of 100 mm
+  double sigma_found_um = 0;
+  double reduced_chi_square = 0, freedom = 0, chi_square_p = 1;
+  double uncertainty_scale = 1;  ///< what the standard uncertainties were multiplied by where chi-square failed
+  double worst_redundancy = 1;
+  std::vector<Outlier> outliers;
+  std::vector<Outlier> crowded;
+  std::string crowd;
+  std::vector<std::size_t> unchecked;  ///< readings that nothing can check
+  std::vector<UnseenFreedom> unseen;
+  std::vector<std::string> undetermined;            ///< unknowns of the measurement
+  std::vector<IndexedPosition> interpolated_nodes;  ///< grid positions that were not probed
+  LocationFinding location;
+  std::vector<ErrorFinding> errors;
+  std::vector<InterpolationEvidence> interpolation;
+  std::string chosen_interpolation;
+  LinearProblem problem;  ///< readings by line, poses
+  SmoothFit smooth;
+};
+
+/// Error maps from observations, with their uncertainty (field: Ibaraki, Iritani & Matsushita 2010; joint least
+/// squares). `observations` must outlive the result. Throws InputError for observations that cannot be used at all.
+IdentificationResult identify(const ObservationSet& observations, const Machine& machine,
+                              const IdentificationOptions& options = {});
+
+}  // namespace trunnion

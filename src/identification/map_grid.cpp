@@ -1,0 +1,234 @@
+#include "identification/map_grid.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "geometric_errors/rotary_errors.h"
+
+namespace trunnion {
+namespace {
+
+/// Cluster centres of `values` (deg), those closer than 0.1 deg being one; `period` 0 for none.
+std::vector<double> stations_of(std::vector<double> values) {
+  std::ranges::sort(values);
+  std::vector<double> centres;
+  for (std::size_t i = 0; i < values.size();) {
+    std::size_t j = i;
+    double sum = 0;
+    while (j < values.size() && values[j] - values[i] <= 0.2) sum += values[j++];
+    centres.push_back(sum / static_cast<double>(j - i));
+    i = j;
+  }
+  return centres;
+}
+
+std::ptrdiff_t nearest(const std::vector<double>& stations, double value, double period) {
+  for (std::size_t k = 0; k < stations.size(); ++k) {
+    double gap = value - stations[k];
+    if (period > 0) gap = std::remainder(gap, period);
+    if (std::abs(gap) <= 0.15) return static_cast<std::ptrdiff_t>(k);
+  }
+  return -1;
+}
+
+/// Rounds a station to a whole thousandth of a degree where it is within a tenth of that: what was commanded.
+Angle station(double degrees) {
+  const double whole = std::round(degrees * 1000) / 1000;
+  return Angle::degrees(std::abs(degrees - whole) < 1e-4 ? whole : degrees);
+}
+
+using Matrix612 = Eigen::Matrix<double, 6, 12>;
+
+/// Derivatives of the pose error by the tilting axis' and by C's six errors at a node.
+struct NodeJacobian {
+  Matrix6d tilt, turn_inverse;
+};
+NodeJacobian node_jacobian(const KinematicChain& chain, IndexedPosition at) {
+  const RelativeErrorJacobian j = relative_error_jacobian(chain, at, {});
+  return {j.here.leftCols<6>(), Matrix6d(j.here.rightCols<6>()).inverse()};
+}
+
+}  // namespace
+
+std::size_t PoseGrid::missing() const { return static_cast<std::size_t>(std::ranges::count(pose_at, -1)); }
+
+PoseGrid find_grid(const std::vector<PoseGroup>& poses) {
+  std::vector<double> a, c;
+  for (const PoseGroup& pose : poses) {
+    a.push_back(pose.at.a.in_degrees());
+    const double turned = pose.at.c.in_degrees() - 360 * std::floor(pose.at.c.in_degrees() / 360);
+    c.push_back(turned > 359.85 ? turned - 360 : turned);
+  }
+  std::vector<double> a_stations = stations_of(a), c_stations = stations_of(c);
+  const auto keep_common = [](std::vector<double>& stations, const std::vector<double>& values, double period) {
+    std::vector<std::size_t> counts(stations.size(), 0);
+    for (const double value : values)
+      if (const auto k = nearest(stations, value, period); k >= 0) ++counts[static_cast<std::size_t>(k)];
+    const std::size_t most = counts.empty() ? 0 : *std::ranges::max_element(counts);
+    std::vector<double> kept;
+    for (std::size_t k = 0; k < stations.size(); ++k)
+      if (2 * counts[k] >= most) kept.push_back(stations[k]);
+    stations = kept;
+  };
+  keep_common(a_stations, a, 0);
+  keep_common(c_stations, c, 360);
+  PoseGrid grid;
+  const auto place = [&] {
+    grid.pose_at.assign(a_stations.size() * c_stations.size(), -1);
+    grid.off_grid.clear();
+    for (std::size_t p = 0; p < poses.size(); ++p) {
+      const auto i = nearest(a_stations, a[p], 0), j = nearest(c_stations, c[p], 360);
+      if (i < 0 || j < 0)
+        grid.off_grid.push_back(p);
+      else
+        grid.pose_at[static_cast<std::size_t>(i) * c_stations.size() + static_cast<std::size_t>(j)] =
+            static_cast<std::ptrdiff_t>(p);
+    }
+  };
+  place();
+  const bool reaches_zero = !a_stations.empty() && a_stations.front() <= 1e-9 && a_stations.back() >= -1e-9;
+  if (!reaches_zero || 2 * grid.missing() > grid.pose_at.size()) {  // scattered: a grid of its own
+    const double low = std::min(0.0, *std::ranges::min_element(a)), high = std::max(0.0, *std::ranges::max_element(a));
+    const int steps = std::max(1, static_cast<int>(std::ceil((high - low) / 15)));
+    a_stations.clear();
+    for (int i = 0; i <= steps; ++i) a_stations.push_back(low + (high - low) * i / steps);
+    c_stations.clear();
+    for (int j = 0; j < 12; ++j) c_stations.push_back(30.0 * j);
+    place();
+  }
+  for (const double value : a_stations) grid.a_stations.push_back(station(value));
+  for (const double value : c_stations) grid.c_stations.push_back(station(value));
+  return grid;
+}
+
+RotaryMapContent map_from_surface(const LinearProblem& problem, const PoseGrid& grid, const SmoothFit& smooth) {
+  // theta -> the twelve errors at the nodes, C's mean moved to the tilting axis: one linear operator.
+  RotaryMapContent content;
+  content.grid = zero_grid(grid.a_stations, grid.c_stations);
+  const HarmonicSurface surface(smooth.basis, smooth.coefficients);
+  const Eigen::Index m = smooth.coefficients.size();
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(content.grid.coefficient_count()), m);
+  const std::size_t columns = grid.c_stations.size();
+  const RelativeErrorJacobian at_zero = relative_error_jacobian(*problem.chain, {}, {});
+  // The errors at the reference pose are taken off, so that the maps vanish there as Eq. (6) has it.
+  const Eigen::MatrixXd reference = at_zero.here.leftCols<6>() * surface.jacobian({}).topRows(6) +
+                                    at_zero.here.rightCols<6>() * surface.jacobian({}).bottomRows(6);
+  const bool gauged = problem.chain->has_rotary(Side::workpiece) && !problem.chain->has_rotary(Side::tool);
+  for (std::size_t i = 0; i < grid.a_stations.size(); ++i) {
+    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(6, m);
+    Matrix6d carried = Matrix6d::Zero();
+    std::vector<Eigen::MatrixXd> delta(columns);
+    for (std::size_t j = 0; j < columns; ++j) {
+      const IndexedPosition at{grid.a_stations[i], grid.c_stations[j]};
+      const Eigen::Matrix<double, 12, Eigen::Dynamic> b = surface.jacobian(at);
+      if (!gauged) {
+        map.middleRows<6>(static_cast<Eigen::Index>(content.grid.turn_offset(i, j))) = b.bottomRows(6);
+        map.middleRows<6>(static_cast<Eigen::Index>(content.grid.tilt_offset(i))) = b.topRows(6);
+        continue;
+      }
+      Situation s;
+      s.at = at;
+      delta[j] = gauged_basis(*problem.chain, smooth.basis, s);
+      const NodeJacobian node = node_jacobian(*problem.chain, at);
+      mean += node.turn_inverse * delta[j];
+      carried += node.turn_inverse * node.tilt;
+    }
+    if (!gauged) continue;
+    const Eigen::MatrixXd tilt = carried.inverse() * mean;
+    map.middleRows<6>(static_cast<Eigen::Index>(content.grid.tilt_offset(i))) = tilt;
+    for (std::size_t j = 0; j < columns; ++j) {
+      const NodeJacobian node = node_jacobian(*problem.chain, {grid.a_stations[i], grid.c_stations[j]});
+      map.middleRows<6>(static_cast<Eigen::Index>(content.grid.turn_offset(i, j))) =
+          node.turn_inverse * (delta[j] - node.tilt * tilt);
+    }
+  }
+  content.grid = with_coefficients(content.grid, map * smooth.coefficients);
+  content.grid_covariance = map * smooth.covariance * map.transpose();
+  content.full_covariance = true;
+  return content;
+}
+
+RotaryMapContent map_from_poses(const LinearProblem& problem, const PoseGrid& grid, const FreePoseFit& fit,
+                                const SmoothFit& smooth) {
+  RotaryMapContent content;
+  content.grid = zero_grid(grid.a_stations, grid.c_stations);
+  const auto n = static_cast<Eigen::Index>(content.grid.coefficient_count());
+  const std::size_t columns = grid.c_stations.size();
+  // Stack the deltas of the fit, and after them those that the smooth map gives at nodes that were not probed.
+  std::vector<Eigen::Index> column_of(grid.pose_at.size(), -1);
+  Eigen::Index stacked = fit.covariance.rows();
+  for (std::size_t k = 0; k < grid.pose_at.size(); ++k) {
+    if (grid.pose_at[k] >= 0)
+      column_of[k] = fit.column[static_cast<std::size_t>(grid.pose_at[k])];
+    else
+      column_of[k] = stacked, stacked += 6;
+  }
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(stacked);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(stacked, stacked);
+  covariance.topLeftCorner(fit.covariance.rows(), fit.covariance.rows()) = fit.covariance;
+  for (std::size_t p = 0; p < fit.delta.size(); ++p)
+    if (fit.column[p] >= 0) delta.segment<6>(fit.column[p]) = fit.delta[p].vector();
+  std::vector<bool> incomplete(grid.pose_at.size(), false);
+  std::vector<std::vector<bool>> reached(grid.pose_at.size(), std::vector<bool>(6, false));
+  for (std::size_t k = 0; k < grid.pose_at.size(); ++k) {
+    Situation s;
+    s.at = {grid.a_stations[k / columns], grid.c_stations[k % columns]};
+    if (grid.pose_at[k] < 0) {
+      const Matrix6Xd b = gauged_basis(*problem.chain, smooth.basis, s);
+      delta.segment<6>(column_of[k]) = b * smooth.coefficients;
+      covariance.block<6, 6>(column_of[k], column_of[k]) = b * smooth.covariance * b.transpose();
+      continue;
+    }
+    for (const UnseenFreedom& freedom : fit.unseen)
+      if (static_cast<std::ptrdiff_t>(freedom.pose) == grid.pose_at[k]) {
+        incomplete[k] = true;
+        // As C's errors see it: the direction in C's frame.
+        Vector6d direction = freedom.direction;
+        direction.tail<3>() /= 100;
+        const Vector6d in_turn = node_jacobian(*problem.chain, s.at).turn_inverse * direction;
+        for (Eigen::Index c = 0; c < 6; ++c)
+          if (std::abs(in_turn[c]) * (c < 3 ? 1 : 100) > 1e-3) reached[k][static_cast<std::size_t>(c)] = true;
+      }
+  }
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(n, stacked);
+  content.unseen.assign(static_cast<std::size_t>(n), false);
+  for (std::size_t i = 0; i < grid.a_stations.size(); ++i) {
+    Matrix6d carried = Matrix6d::Zero();
+    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(6, stacked);
+    std::size_t complete = 0;
+    for (std::size_t j = 0; j < columns; ++j) {
+      const std::size_t k = i * columns + j;
+      if (incomplete[k]) continue;
+      const NodeJacobian node = node_jacobian(*problem.chain, {grid.a_stations[i], grid.c_stations[j]});
+      carried += node.turn_inverse * node.tilt;
+      if (column_of[k] >= 0) mean.middleCols<6>(column_of[k]) += node.turn_inverse;
+      ++complete;
+    }
+    const auto tilt_row = static_cast<Eigen::Index>(content.grid.tilt_offset(i));
+    if (complete == 0) {
+      for (std::size_t c = 0; c < 6; ++c) content.unseen[content.grid.tilt_offset(i) + c] = true;
+    } else {
+      map.middleRows<6>(tilt_row) = carried.inverse() * mean;
+    }
+    for (std::size_t j = 0; j < columns; ++j) {
+      const std::size_t k = i * columns + j;
+      const NodeJacobian node = node_jacobian(*problem.chain, {grid.a_stations[i], grid.c_stations[j]});
+      const auto row = static_cast<Eigen::Index>(content.grid.turn_offset(i, j));
+      map.middleRows<6>(row) = -node.turn_inverse * node.tilt * map.middleRows<6>(tilt_row);
+      if (column_of[k] >= 0) map.block<6, 6>(row, column_of[k]) += node.turn_inverse;
+      for (std::size_t c = 0; c < 6; ++c)
+        if (reached[k][c] || complete == 0) content.unseen[content.grid.turn_offset(i, j) + c] = true;
+    }
+  }
+  if (std::ranges::none_of(content.unseen, [](bool b) { return b; })) content.unseen.clear();
+  Eigen::VectorXd values = map * delta;
+  for (std::size_t k = 0; k < content.unseen.size(); ++k)
+    if (content.unseen[k]) values[static_cast<Eigen::Index>(k)] = 0;
+  content.grid = with_coefficients(content.grid, values);
+  content.grid_covariance = map * covariance * map.transpose();
+  content.full_covariance = true;
+  return content;
+}
+
+}  // namespace trunnion
