@@ -34,6 +34,26 @@ AxisValues between(const AxisValues& from, const AxisValues& to, double s) {
   return at;
 }
 
+/// `at` with the axes of an arc's plane where they are after the part `s` of the way.
+AxisValues with_arc(const MotionBlock& block, AxisValues at, double s) {
+  if (!block.arc || s >= 1) return at;
+  const Arc& arc = *block.arc;
+  const double a = block.from[arc.first] - arc.centre_first, b = block.from[arc.second] - arc.centre_second;
+  const double begin = std::hypot(a, b);
+  const double end =
+      std::hypot(block.target[arc.first] - arc.centre_first, block.target[arc.second] - arc.centre_second);
+  const double grown = 1 + s * (end / begin - 1);
+  const double cosine = std::cos(s * arc.sweep_rad), sine = std::sin(s * arc.sweep_rad);
+  at[arc.first] = arc.centre_first + grown * (cosine * a - sine * b);
+  at[arc.second] = arc.centre_second + grown * (sine * a + cosine * b);
+  return at;
+}
+
+/// Where the programmed path is after the part `s` of its way.
+AxisValues on_way(const MotionBlock& block, double s) {
+  return with_arc(block, between(block.from, block.target, s), s);
+}
+
 Commanded between(const Commanded& from, const Commanded& to, double s) {
   Commanded at = to;
   at.xyz_mm = from.xyz_mm + s * (to.xyz_mm - from.xyz_mm);
@@ -64,6 +84,15 @@ AxisValues on_grid(const MotionBlock& block, AxisValues at) {
   for (const std::size_t i : {kTilt, kTurn})
     at[i] = block.zero[i] + rounded(at[i] - block.zero[i], block.decimals[i]).value();
   return at;
+}
+
+/// Chords that keep within `tolerance_mm` of an arc, which leaves a tenth of it for the correction's own bend.
+int chords(const MotionBlock& block, double tolerance_mm) {
+  const Arc& arc = *block.arc;
+  const double radius =
+      std::hypot(block.from[arc.first] - arc.centre_first, block.from[arc.second] - arc.centre_second);
+  const double step = 2 * std::acos(std::max(0.0, 1 - 0.9 * tolerance_mm / radius));
+  return std::max(1, static_cast<int>(std::min(1e6, std::ceil(std::abs(arc.sweep_rad) / step))));
 }
 
 /// Enough decimals for seven digits of a feed.
@@ -116,10 +145,12 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
   if (!keep_going_) {
     last_.reset();
     ticks_ = {};
-    if (scanned.before) {
-      last_ = solve(*scanned.before, scanned.before->target);
+    lines_since_arc_ = false;
+    if (const auto& before = scanned.before) {
+      last_ = solve(*before, before->target);
       ticks_ = last_->ticks;
-      ticks_unit_mm_ = scanned.before->unit_mm;
+      ticks_unit_mm_ = before->unit_mm;
+      lines_since_arc_ = before->arc && !stays_an_arc(*before, solve(*before, before->from), *last_);
     }
   }
   for (const MotionBlock& block : scanned.blocks) {
@@ -199,11 +230,12 @@ void ChunkWriter::check(const AxisValues& at, const Solution& solution, const Mo
   }
 }
 
-bool ChunkWriter::holds_between(const MotionBlock& block, const Solution& from, const Solution& to, double& tip_mm,
-                                double& tilt_rad) const {
+bool ChunkWriter::holds_between(const MotionBlock& block, const Solution& from, double from_part, const Solution& to,
+                                double to_part, double& tip_mm, double& tilt_rad) const {
   const Corrector& judge = corrector(block);
   for (const double s : {0.5, 0.25, 0.75}) {
-    const Commanded wanted = commanded(block, between(from.programmed, to.programmed, s));
+    const double part = from_part + s * (to_part - from_part);
+    const Commanded wanted = commanded(block, with_arc(block, between(from.programmed, to.programmed, s), part));
     const Commanded sent = between(from.commanded, to.commanded, s);
     tip_mm = std::max(tip_mm, judge.tip_error_mm(wanted, sent));
     // What damping leaves there is not the line's fault.
@@ -214,31 +246,53 @@ bool ChunkWriter::holds_between(const MotionBlock& block, const Solution& from, 
   return tip_mm <= guard_.tolerance_mm && tilt_rad <= guard_.tolerance_rad;
 }
 
-std::vector<ChunkWriter::Solution> ChunkWriter::way(const MotionBlock& block, const Solution& end,
-                                                    bool& within_tolerance) const {
-  within_tolerance = true;
-  if (block.kind != BlockKind::feed || !block.from_known || !last_ ||
-      (turn_deg(block.from, block.target) <= kStraight_deg && length_mm(block.from, block.target) <= kStraight_mm))
-    return {end};
+bool ChunkWriter::stays_an_arc(const MotionBlock& block, const Solution& begin, const Solution& end) const {
+  if (!block.arc_movable)
+    return std::ranges::all_of(end.ticks, [](Decimal t) { return t.mantissa == 0; }) && bends_less(block, begin, end);
+  return bends_less(block, begin, end);
+}
+
+bool ChunkWriter::bends_less(const MotionBlock& block, const Solution& begin, const Solution& end) const {
+  for (std::size_t i = 0; i < kAxes; ++i)
+    if (!same(begin.ticks[i], end.ticks[i])) return false;
+  constexpr int kLooks = 16;  // the errors' harmonics are far coarser
+  for (int k = 1; k < kLooks; ++k) {
+    const Commanded wanted = commanded(block, on_way(block, static_cast<double>(k) / kLooks));
+    Commanded sent = wanted;
+    sent.xyz_mm += end.commanded.xyz_mm - commanded(block, block.target).xyz_mm;
+    sent.rotary.a = sent.rotary.a + Angle::degrees(end.ticks[kTilt].value());
+    sent.rotary.c = sent.rotary.c + Angle::degrees(end.ticks[kTurn].value());
+    if (corrector(block).tip_error_mm(wanted, sent) > guard_.tolerance_mm) return false;
+    if (corrector(block).settings().orientation == Orientation::corrected &&
+        (corrector(block).tilt_error(wanted, sent.rotary) - corrector(block).rotary(wanted).residual).in_radians() >
+            guard_.tolerance_rad)
+      return false;
+  }
+  return true;
+}
+
+ChunkWriter::Way ChunkWriter::way(const MotionBlock& block, const Solution& end) const {
+  if (block.kind != BlockKind::feed || !block.from_known || !last_) return {{end}};
+  if (!block.arc && turn_deg(block.from, block.target) <= kStraight_deg &&
+      length_mm(block.from, block.target) <= kStraight_mm)
+    return {{end}};
   const Solution begin = solve(block, block.from);
-  for (int n = 1;;) {
-    std::vector<Solution> ends;
+  if (block.arc && stays_an_arc(block, begin, end)) return {.ends = {end}, .arc = true};
+  const int most = block.arc ? guard_.most_arc_pieces : guard_.most_pieces;
+  for (int n = block.arc ? std::min(most, chords(block, guard_.tolerance_mm)) : 1;;) {
+    Way way;
     double tip_mm = 0, tilt_rad = 0;
-    bool hold = true;
-    const Solution* from = &begin;
-    ends.reserve(static_cast<std::size_t>(n));
+    way.ends.reserve(static_cast<std::size_t>(n));
     for (int k = 1; k <= n; ++k) {
-      ends.push_back(
-          k == n ? end : solve(block, on_grid(block, between(block.from, block.target, static_cast<double>(k) / n))));
-      if (!holds_between(block, *from, ends.back(), tip_mm, tilt_rad)) hold = false;
-      from = &ends.back();
+      const double before = static_cast<double>(k - 1) / n, after = static_cast<double>(k) / n;
+      way.ends.push_back(k == n ? end : solve(block, on_grid(block, on_way(block, after))));
+      const Solution& from = k == 1 ? begin : way.ends[static_cast<std::size_t>(k) - 2];
+      if (!holds_between(block, from, before, way.ends.back(), after, tip_mm, tilt_rad)) way.within_tolerance = false;
     }
-    within_tolerance = hold;
-    if (hold || n >= guard_.most_pieces) return ends;
+    if (way.within_tolerance || n >= most) return way;
     // A chord's error falls with the square of its length.
     const double excess = std::max(tip_mm / guard_.tolerance_mm, tilt_rad / guard_.tolerance_rad);
-    n = std::min(guard_.most_pieces,
-                 std::max(n + 1, static_cast<int>(std::ceil(n * std::sqrt(std::min(excess, 1e6))))));
+    n = std::min(most, std::max(n + 1, static_cast<int>(std::ceil(n * std::sqrt(std::min(excess, 1e6))))));
   }
 }
 
@@ -257,6 +311,7 @@ ChunkWriter::Ticks ChunkWriter::ticks_before(const MotionBlock& block) const {
 
 std::vector<ChunkWriter::Piece> ChunkWriter::pieces(const MotionBlock& block, const std::vector<Solution>& way,
                                                     const Ticks& before) const {
+  const AxisValues* last_place = &block.from;
   std::vector<Piece> pieces;
   pieces.reserve(way.size());
   std::array<Decimal, kAxes> moved{};  // what incremental words have said so far
@@ -266,7 +321,8 @@ std::vector<ChunkWriter::Piece> ChunkWriter::pieces(const MotionBlock& block, co
     const bool final = &end == &way.back();
     for (std::size_t i = 0; i < kAxes; ++i) {
       const bool programmed = holds(block.programmed, i);
-      if (!programmed && (end.ticks[i] - (*last_ticks)[i]).mantissa == 0) continue;
+      const bool moves = block.arc && end.programmed[i] != (*last_place)[i];
+      if (!programmed && !moves && same(end.ticks[i], (*last_ticks)[i])) continue;
       // Inside the block no digits are given: the place as it is solved, rounded once.
       const double change =
           i < 3 ? end.linear.change_mm[static_cast<Eigen::Index>(i)] / block.unit_mm : end.ticks[i].value();
@@ -282,6 +338,7 @@ std::vector<ChunkWriter::Piece> ChunkWriter::pieces(const MotionBlock& block, co
       }
     }
     last_ticks = &end.ticks;
+    last_place = &end.programmed;
     pieces.push_back(piece);
   }
   return pieces;
@@ -297,7 +354,7 @@ ChunkWriter::NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks
     return {feed_decimal(block.feed * n), false};
   }
   const double turn = turn_deg(block.from, block.target);
-  if (!block.from_known || turn == 0) return {};
+  if (!block.from_known || block.arc || turn == 0) return {};
   AxisValues to = block.target;
   bool changed = false;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -320,15 +377,22 @@ void ChunkWriter::correct(const MotionBlock& block) {
   const Solution end = solve(block, block.target);
   check(block.target, end, block);
   const Ticks before = ticks_before(block);
-  bool within_tolerance = true;
-  const std::vector<Solution> ends = way(block, end, within_tolerance);
+  const Way sent = way(block, end);
+  const std::vector<Solution>& ends = sent.ends;
   for (const Solution& solution : ends) check(solution.programmed, solution, block);
   if (ends.size() > 1 && block.stops)
     throw RefusalError("a move that must be divided stands in one block with a program stop; give each its own block");
   const std::vector<Piece> parts = pieces(block, ends, before);
-  const NewFeed feed = new_feed(block, before, end.ticks, parts.size());
+  NewFeed feed = new_feed(block, before, end.ticks, parts.size());
   if (feed.inverse_time_meanwhile && block.stops)
     throw RefusalError("a turn of the rotary axes stands in one block with a program stop; give each its own block");
+  if (block.arc) {
+    feed.arc_code = !sent.arc ? 1 : block.arc->sweep_rad < 0 ? 2 : 3;
+    feed.lines_for_arc = !sent.arc;
+    // A block that says its code leaves the modal one as it was meant.
+    if (sent.arc && (block.motion_word || !lines_since_arc_)) feed.arc_code = 0;
+  }
+  lines_since_arc_ = block.arc && !sent.arc;
 
   rewrite(block, parts.front().words, feed);
   if (parts.size() > 1 || feed.inverse_time_meanwhile) {
@@ -337,7 +401,7 @@ void ChunkWriter::correct(const MotionBlock& block) {
     if (feed.inverse_time_meanwhile) restore_feed(block);
   }
   ++out_.counts.corrected_blocks;
-  if (!within_tolerance) ++out_.counts.beyond_tolerance;
+  if (!sent.within_tolerance) ++out_.counts.beyond_tolerance;
   for (const Solution& solution : ends) {
     count(solution);
     last_ = solution;
@@ -397,24 +461,37 @@ void ChunkWriter::append_feed(const MotionBlock& block, Decimal value, bool blan
 void ChunkWriter::rewrite(const MotionBlock& block, const NewWords& words, const NewFeed& feed) {
   struct Edit {
     const WordPlace* word;
-    std::optional<Decimal> value;
+    std::optional<Decimal> value;  // none: the word goes
   };
-  std::array<Edit, kAxes + 2> edits{};
+  std::array<Edit, kAxes + 8> edits{};
   std::size_t count = 0;
+  std::uint32_t first_word = block.end, last_word = block.begin;
+  const auto anchor = [&](const WordPlace& word) {
+    first_word = std::min(first_word, word.text);
+    last_word = std::max(last_word, word.end);
+  };
   for (std::size_t i = 0; i < block.words; ++i) {
     const std::size_t axis = block.order[i];
+    anchor(block.word[axis]);
     if (words[axis] && !same(*words[axis], block.word[axis].number)) {
       edits[count++] = {&block.word[axis], words[axis]};
       ++out_.counts.changed_words;
     }
   }
+  for (std::size_t i = 0; i < block.arc_words; ++i) {
+    anchor(block.arc_word[i]);
+    if (feed.lines_for_arc) {
+      edits[count++] = {&block.arc_word[i], std::nullopt};
+      ++out_.counts.changed_words;
+    }
+  }
   if (feed.word && block.feed_word) edits[count++] = {&*block.feed_word, feed.word};
   if (feed.inverse_time_meanwhile && block.feed_mode_word) edits[count++] = {&*block.feed_mode_word, Decimal{93, 0}};
+  if (feed.arc_code != 0 && block.motion_word) edits[count++] = {&*block.motion_word, Decimal{feed.arc_code, 0}};
 
-  const std::uint32_t last_word = block.word[block.order[block.words - 1u]].end;
-  const std::uint32_t first_word = block.word[block.order[0]].text;
-  // Words to be added stand behind the last axis word, G93 before the first.
+  // Words to be added stand behind the last word of the move, codes before the first.
   const bool add_mode = feed.inverse_time_meanwhile && !block.feed_mode_word;
+  const bool add_code = feed.arc_code != 0 && !block.motion_word;
   bool add = feed.word && !block.feed_word;
   for (std::size_t i = 0; i < kAxes; ++i) add |= words[i] && !holds(block.programmed, i);
   std::sort(edits.begin(), edits.begin() + static_cast<std::ptrdiff_t>(count),
@@ -424,17 +501,25 @@ void ChunkWriter::rewrite(const MotionBlock& block, const NewWords& words, const
   const auto edit_before = [&](std::uint32_t place) {
     for (; next < count && edits[next].word->text < place; ++next) {
       const WordPlace& word = *edits[next].word;
-      std::uint32_t number = word.text + 1;
-      while (source_[number] == ' ' || source_[number] == '\t') ++number;
-      copy_to(number);
-      append_number(out_.text, *edits[next].value, word.style);
+      if (edits[next].value) {
+        std::uint32_t number = word.text + 1;
+        while (source_[number] == ' ' || source_[number] == '\t') ++number;
+        copy_to(number);
+        append_number(out_.text, *edits[next].value, word.style);
+      } else {
+        copy_to(word.text);
+        while (out_.text.ends_with(' ') || out_.text.ends_with('\t')) out_.text.pop_back();
+      }
       copied_ = word.end;
     }
   };
-  if (add_mode) {
+  if (add_mode || add_code) {
     edit_before(first_word);
     copy_to(first_word);
-    out_.text += block.blank_before_words ? "G93 " : "G93";
+    const std::string_view apart = block.blank_before_words ? " " : "";
+    if (add_mode) out_.text.append("G93").append(apart);
+    if (add_code) out_.text.append("G").append(std::to_string(feed.arc_code)).append(apart);
+    out_.counts.added_words += add_code;
   }
   if (add) {
     edit_before(last_word);

@@ -35,7 +35,8 @@ struct CorrectionGuard {
   std::array<std::optional<std::pair<double, double>>, kAxes> stroke;  ///< mm and deg, lowest and highest
   double tolerance_mm = 0.0002;                                        ///< of the tip between end points
   double tolerance_rad = 2e-6;                                         ///< of the tool axis between end points
-  int most_pieces = 1000;                                              ///< of one block
+  int most_pieces = 1000;                                              ///< of one line
+  int most_arc_pieces = 100000;                                        ///< of one arc
 };
 
 /// Strokes and limits of a machine file.
@@ -78,18 +79,28 @@ class ChunkWriter {
     Solution end;
     NewWords words;
   };
-  /// What keeps the duration of a block that a correction would change.
+  /// What else of a block changes: it keeps the duration of a block that a correction would change.
   struct NewFeed {
     std::optional<Decimal> word;          // F of every piece
     bool inverse_time_meanwhile = false;  // G93, and G94 with the old F behind it
+    bool lines_for_arc = false;           // I J K R P go
+    int arc_code = 0;                     // G1, G2 or G3 to stand in the block
+  };
+  /// The ends of the pieces into which a block is divided.
+  struct Way {
+    std::vector<Solution> ends;
+    bool arc = false;  // it stays an arc
+    bool within_tolerance = true;
   };
 
   const Corrector& corrector(const MotionBlock& block) const { return block.tcp ? with_tcp_ : without_tcp_; }
   Solution solve(const MotionBlock& block, const AxisValues& at) const;
   void check(const AxisValues& at, const Solution& solution, const MotionBlock& block) const;
-  bool holds_between(const MotionBlock& block, const Solution& from, const Solution& to, double& tip_mm,
-                     double& tilt_rad) const;
-  std::vector<Solution> way(const MotionBlock& block, const Solution& end, bool& within_tolerance) const;
+  bool holds_between(const MotionBlock& block, const Solution& from, double from_part, const Solution& to,
+                     double to_part, double& tip_mm, double& tilt_rad) const;
+  bool stays_an_arc(const MotionBlock& block, const Solution& begin, const Solution& end) const;
+  bool bends_less(const MotionBlock& block, const Solution& begin, const Solution& end) const;
+  Way way(const MotionBlock& block, const Solution& end) const;
   std::vector<Piece> pieces(const MotionBlock& block, const std::vector<Solution>& way, const Ticks& before) const;
   NewFeed new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after, std::size_t pieces) const;
   Ticks ticks_before(const MotionBlock& block) const;
@@ -118,6 +129,7 @@ class ChunkWriter {
   Ticks ticks_{};  // what the axes stand corrected by
   double ticks_unit_mm_ = 1;
   std::optional<Solution> last_;  // of the block before
+  bool lines_since_arc_ = false;  // the block before was an arc and left G1 in force
 };
 
 }  // namespace trunnion

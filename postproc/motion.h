@@ -35,10 +35,17 @@ struct WordPlace {
 
 enum class BlockKind : std::uint8_t {
   rapid,         ///< G0: corrected at its end
-  feed,          ///< G1: corrected along its way
+  feed,          ///< G1, or an arc: corrected along its way
   set_position,  ///< G92: the words say where the machine stands, and it stands corrected
 };
 enum class FeedMode : std::uint8_t { per_minute, inverse_time, per_revolution };
+
+/// The circular part of a move: two axes turn about a centre, the third and the rotary axes go along in proportion.
+struct Arc {
+  std::uint8_t first = 0, second = 1;          ///< axes of the plane, from first to second is positive
+  double centre_first = 0, centre_second = 0;  ///< mm, zero included
+  double sweep_rad = 0;                        ///< signed, whole turns included
+};
 
 /// A block whose words a correction may change, as the serial scan of a program found it; nothing else of the text
 /// matters to a correction. Places count from the beginning of the chunk.
@@ -69,8 +76,13 @@ struct MotionBlock {
   std::optional<WordPlace> feed_mode_word;  ///< G93, G94 or G95 where the block says it
   double feed = 0;                          ///< as programmed, in the units of its own block; 0: not known
   double feed_unit_mm = 1;                  ///< what that unit is
-  bool stops = false;                       ///< an M0, M1, M2, M30 or M60 stands in the block
-  bool changes_modes = false;               ///< it says more than motion, feed and words: units, offsets, distance mode
+  std::optional<Arc> arc;
+  bool arc_movable = false;              ///< its centre is told from its begin, or by a radius
+  std::optional<WordPlace> motion_word;  ///< G1, G2 ... where the block says it
+  std::array<WordPlace, 5> arc_word{};   ///< I J K R P
+  std::uint8_t arc_words = 0;
+  bool stops = false;          ///< an M0, M1, M2, M30 or M60 stands in the block
+  bool changes_modes = false;  ///< it says more than motion, feed and words: units, offsets, distance mode
 };
 
 /// A block that must not be corrected, or cannot be: what stands there and why, for a person.

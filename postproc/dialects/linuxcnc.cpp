@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <numbers>
 #include <span>
 
 namespace trunnion {
@@ -45,13 +47,14 @@ struct Words {
   const Token* feed = nullptr;
   const Token* feed_mode = nullptr;
   bool feed_expression = false;
-  bool arc_words = false;      ///< I J K
-  bool offset_letter = false;  ///< L
-  bool optional = false;       ///< block delete
+  const Token* motion = nullptr;      ///< the G code that moves
+  std::array<const Token*, 5> arc{};  ///< I J K R P
+  bool offset_letter = false;         ///< L
+  bool optional = false;              ///< block delete
   bool tool_word = false;
   bool blank_before_words = true;
 
-  bool has_g(int tenths) const { return std::find(g.begin(), g.begin() + g_count, tenths) != g.begin() + g_count; }
+  bool has_centre() const { return arc[0] != nullptr || arc[1] != nullptr || arc[2] != nullptr; }
 };
 
 class LinuxcncScanner : public ProgramScanner {
@@ -138,6 +141,7 @@ class LinuxcncScanner : public ProgramScanner {
       case 'G': {
         if (words.g_count == words.g.size()) bad("more than 16 G codes in one block");
         const int code = tenths(token);
+        if (code == 0 || code == 10 || code == 20 || code == 30) words.motion = &token;
         if (code == 930 || code == 940 || code == 950) words.feed_mode = &token;
         words.g[words.g_count++] = code;
         break;
@@ -157,8 +161,13 @@ class LinuxcncScanner : public ProgramScanner {
       case 'I':
       case 'J':
       case 'K':
-        words.arc_words = true;
+      case 'R':
+      case 'P': {
+        const Token*& place = words.arc[std::string_view("IJKRP").find(token.letter)];
+        if (place != nullptr) bad(std::string(1, token.letter) + " stands twice in one block");
+        place = &token;
         break;
+      }
       case 'L':
         words.offset_letter = true;
         break;
@@ -169,9 +178,7 @@ class LinuxcncScanner : public ProgramScanner {
       case 'E':
       case 'H':
       case 'N':
-      case 'P':
       case 'Q':
-      case 'R':
       case 'S':
         break;
       case 'O':
@@ -189,6 +196,8 @@ class LinuxcncScanner : public ProgramScanner {
         bad(std::string(1, token.letter) + " is no word of this dialect");
     }
   }
+
+  bool arc_mode() const { return motion_ == 20 || motion_ == 30; }
 
   static int tenths(const Token& token) {
     const Decimal n = token.number;
@@ -240,7 +249,7 @@ class LinuxcncScanner : public ProgramScanner {
 
   void execute(const Words& words, std::uint32_t begin, std::uint32_t end, ScannedChunk& chunk) {
     const double feed_unit_before = unit_mm_;
-    bool machine_coordinates = false, changes_modes = false, stops = false, reached_end = false;
+    bool machine_coordinates = false, changes_modes = false, stops = false, reached_end = false, pauses = false;
     int nonmodal = -1, motion = -1;
     for (std::size_t i = 0; i < words.g_count; ++i) {
       const int g = words.g[i];
@@ -276,20 +285,33 @@ class LinuxcncScanner : public ProgramScanner {
           motion = g;
           break;
         case 40:
+          pauses = true;
+          break;
+        case 640:
+          pauses = true;
+          break;
         case 80:
         case 610:
         case 611:
-        case 640:
         case 960:
         case 970:
         case 980:
         case 990:
-        case 911:
+          break;
         case 901:
+          absolute_centre_ = true;
+          break;
+        case 911:
+          absolute_centre_ = false;
           break;
         case 170:
+          plane_ = {0, 1, 2};
+          break;
         case 180:
+          plane_ = {2, 0, 1};
+          break;
         case 190:
+          plane_ = {1, 2, 0};
           break;
         case 200:
           set_unit(kInch_mm, changes_modes);
@@ -408,15 +430,19 @@ class LinuxcncScanner : public ProgramScanner {
       if (words.optional && words.axes > 0)
         refuse("/ before " + code_name('G', nonmodal) + ": whether it runs is not known");
       execute_nonmodal(nonmodal, words, begin, end, chunk);
-    } else if (words.axes > 0 || (motion_ == 20 || motion_ == 30 ? words.arc_words : false)) {
+    } else if (words.axes > 0 || (arc_mode() && words.has_centre())) {
       if (words.optional) refuse("/ before a block that moves: whether it runs is not known");
       if (machine_coordinates) {
         if (motion_ != 0 && motion_ != 10) refuse("G53 without G0 or G1");
         forget(words);
         ++chunk.copied_moves;
       } else {
+        if (arc_mode() && pauses && words.arc[4] != nullptr)
+          bad("P in a block with an arc and G4 or G64 has two meanings");
         move(words, begin, end, {changes_modes, stops, tool_change}, chunk);
       }
+    } else if (motion == 20 || motion == 30) {
+      bad(code_name('G', motion) + " without axis words");
     } else if (motion >= 0 && motion != 0 && motion != 10 && motion != kNoMotion) {
       refuse_motion(motion);
     }
@@ -507,7 +533,6 @@ class LinuxcncScanner : public ProgramScanner {
 
   [[noreturn]] static void refuse_motion(int motion) {
     const std::string name = code_name('G', motion);
-    if (motion == 20 || motion == 30) refuse(name + ": arcs are not corrected; post the program with lines");
     if (motion == kNoMotion) refuse("axis words without a motion code");
     if (motion >= 730) refuse(name + ": a canned cycle; post the program with its single moves");
     if (motion >= 382 && motion <= 385) refuse(name + ": probing ends where the part is, not where a program can say");
@@ -522,7 +547,8 @@ class LinuxcncScanner : public ProgramScanner {
   };
 
   void move(const Words& words, std::uint32_t begin, std::uint32_t end, BlockNature nature, ScannedChunk& chunk) {
-    if (motion_ != 0 && motion_ != 10) refuse_motion(motion_);
+    if (motion_ != 0 && motion_ != 10 && !arc_mode()) refuse_motion(motion_);
+    if (!arc_mode() && (words.has_centre() || words.arc[3] != nullptr)) bad("I, J, K or R in a block that is no arc");
     if (cutter_)
       refuse("G41 or G42 is active: cutter radius compensation is not corrected; post the tool's centre path");
     const AxisSet known_before = known_;
@@ -544,11 +570,24 @@ class LinuxcncScanner : public ProgramScanner {
     if (holds(known_before, kTilt) && at_[kTilt] != from[kTilt]) tilt_sense_ = at_[kTilt] > from[kTilt] ? 1 : -1;
     if (holds(known_before, kTurn) && at_[kTurn] != from[kTurn]) turn_sense_ = at_[kTurn] > from[kTurn] ? 1 : -1;
     if (known_ != kAllAxes) {
+      if (arc_mode() && words.motion == nullptr)
+        refuse("an arc without its G2 or G3, in a place where not all axes are known");
       ++chunk.copied_moves;
       if (!incremental_) raw_since_ |= programmed;
       return;
     }
     MotionBlock block = describe(words, begin, end);
+    if (arc_mode()) {
+      if (known_before != kAllAxes) refuse("an arc in the block that first makes all axes known");
+      block.arc = arc(words, from);
+      block.arc_movable = !absolute_centre_;
+      for (const Token* token : words.arc)
+        if (token != nullptr)
+          block.arc_word[block.arc_words++] = {begin + token->text, begin + token->end, token->number, token->style};
+    }
+    if (words.motion != nullptr)
+      block.motion_word =
+          WordPlace{begin + words.motion->text, begin + words.motion->end, words.motion->number, words.motion->style};
     block.kind = motion_ == 0 ? BlockKind::rapid : BlockKind::feed;
     block.from = from;
     block.target = at_;
@@ -558,6 +597,57 @@ class LinuxcncScanner : public ProgramScanner {
     block.changes_modes = nature.changes_modes || nature.tool_change;
     raw_since_ = 0;
     chunk.blocks.push_back(block);
+  }
+
+  /// Centre and sweep after LinuxCNC's rules: I J K from the begin (G91.1) or from zero (G90.1), or a radius; a full
+  /// circle where the end is the begin; P turns.
+  Arc arc(const Words& words, const AxisValues& from) {
+    constexpr double kRadiusSlack_mm = 0.01;
+    Arc arc{plane_[0], plane_[1]};
+    const std::size_t a = arc.first, b = arc.second;
+    const double chord_a = at_[a] - from[a], chord_b = at_[b] - from[b];
+    const double chord = std::hypot(chord_a, chord_b);
+    const double sense = motion_ == 30 ? 1 : -1;
+    if (words.arc[plane_[2]] != nullptr) bad("an arc with a centre word that is not of its plane");
+    if (const Token* radius_word = words.arc[3]) {
+      if (words.has_centre()) bad("an arc with both a radius and a centre");
+      const double radius = unit_mm_ * radius_word->number.value();
+      if (chord == 0) bad("an arc by radius that ends where it begins");
+      if (chord > 2 * std::abs(radius) + kRadiusSlack_mm) bad("an arc whose radius does not reach its end");
+      const double height = std::sqrt(std::max(0.0, radius * radius - 0.25 * chord * chord));
+      // Left of the chord for a counter-clockwise arc of less than half a turn.
+      const double side = sense * (radius > 0 ? 1 : -1);
+      arc.centre_first = from[a] + 0.5 * chord_a - side * height * chord_b / chord;
+      arc.centre_second = from[b] + 0.5 * chord_b + side * height * chord_a / chord;
+    } else {
+      if (words.arc[a] == nullptr && words.arc[b] == nullptr) bad("an arc without centre or radius");
+      const auto centre = [&](std::size_t axis) {
+        const double value = words.arc[axis] != nullptr ? unit_mm_ * words.arc[axis]->number.value() : 0;
+        if (!absolute_centre_) return from[axis] + value;
+        if (words.arc[axis] == nullptr) bad("an arc with G90.1 wants both centre words");
+        return value + work_zero(axis) + shift_[axis];
+      };
+      arc.centre_first = centre(a);
+      arc.centre_second = centre(b);
+    }
+    const double begin_a = from[a] - arc.centre_first, begin_b = from[b] - arc.centre_second;
+    const double end_a = at_[a] - arc.centre_first, end_b = at_[b] - arc.centre_second;
+    const double radius = std::hypot(begin_a, begin_b);
+    if (radius == 0) bad("an arc of radius zero");
+    if (std::abs(std::hypot(end_a, end_b) - radius) > std::max(kRadiusSlack_mm, 1e-3 * radius))
+      bad("an arc whose end does not lie on it");
+    constexpr double kTurn_rad = 2 * std::numbers::pi;
+    double sweep = std::atan2(begin_a * end_b - begin_b * end_a, begin_a * end_a + begin_b * end_b);
+    if (chord == 0) sweep = 0;
+    if (sense * sweep <= 1e-12) sweep += sense * kTurn_rad;
+    if (const Token* turns = words.arc[4]) {
+      const double whole = turns->number.value();
+      if (whole < 1 || whole > 1000 || whole != std::floor(whole))
+        bad("P of an arc is a whole number of turns, 1 or more");
+      sweep += sense * kTurn_rad * (whole - 1);
+    }
+    arc.sweep_rad = sweep;
+    return arc;
   }
 
   MotionBlock describe(const Words& words, std::uint32_t begin, std::uint32_t end) {
@@ -607,6 +697,8 @@ class LinuxcncScanner : public ProgramScanner {
   double unit_mm_ = 1;
   bool incremental_ = false;
   bool cutter_ = false;
+  bool absolute_centre_ = false;                // G90.1
+  std::array<std::uint8_t, 3> plane_{0, 1, 2};  // first, second and third axis of G17, G18, G19
   bool tool_length_changed_ = false;
   FeedMode feed_mode_ = FeedMode::per_minute;
   double feed_ = 0;

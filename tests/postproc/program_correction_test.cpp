@@ -236,13 +236,13 @@ TEST(ProgramCorrection, KeepsWithinLimitsAndStrokes) {
 TEST(ProgramCorrection, KeepsGoingWhenAsked) {
   Shop shop;
   shop.how.scan.keep_going = true;
-  const std::string program = "G0 X1 Y1 Z1 A-20 C0\nG2 X5 I2\nG1 X6 F10\nX1 Y1 Z1 A-20 C0\nX2\nA-125\nX3 Y3\n A-20\n";
+  const std::string program = "G0 X1 Y1 Z1 A-20 C0\nG5 X5 I2\nG1 X6 F10\nX1 Y1 Z1 A-20 C0\nX2\nA-125\nX3 Y3\n A-20\n";
   const std::string out = shop.correct(program);
   ASSERT_EQ(shop.result.refusals.size(), 3u);
   EXPECT_EQ(shop.result.refusals[0].line, 2u);
   EXPECT_EQ(shop.result.refusals[1].line, 6u);
   EXPECT_EQ(shop.result.refusals[2].line, 7u);
-  EXPECT_THAT(out, HasSubstr("\nG2 X5 I2\nG1 X6 F10\n"));
+  EXPECT_THAT(out, HasSubstr("\nG5 X5 I2\nG1 X6 F10\n"));
   EXPECT_THAT(out, HasSubstr("\nA-125\n"));
 }
 

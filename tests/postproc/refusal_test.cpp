@@ -12,8 +12,6 @@ struct Refused {
 
 // Each stands on line 2, behind a block that makes all axes known.
 const Refused kRefused[] = {
-    {"G2 X5 I2 F100", "G2: arcs are not corrected; post the program with lines"},
-    {"G3 X5 R2 F100", "G3: arcs are not corrected; post the program with lines"},
     {"G5 X5 I2 J0 P1 Q1", "G5: splines are not corrected; post the program with lines"},
     {"G5.2 X5 Y1 P1 L3", "G5.2: splines are not corrected; post the program with lines"},
     {"G41 D1 X5", "G41 or G42 is active: cutter radius compensation is not corrected; post the tool's centre path"},
@@ -96,7 +94,7 @@ TEST(Refusals, TellTheFirstOfSeveral) {
   shop.how.threads = 4;
   std::string program = "G0 X1 Y1 Z1 A-10 C0\n";
   for (int i = 0; i < 200; ++i) program += "G1 X" + std::to_string(i % 7) + " F100\n";
-  program += "A-121\nG2 X5 I1\nX1 X1\n";
+  program += "A-121\nG5 X5 I1\nX1 X1\n";
   EXPECT_EQ(shop.refusal(program), "part.ngc:202: A-121: outside the probed range -120 ... 120 deg");
 }
 
