@@ -569,6 +569,8 @@ void ChunkWriter::insert_line_end(const MotionBlock& block) {
   const std::string_view end = line_end(source_.substr(block.begin, block.end - block.begin));
   out_.text += end.empty() ? "\n" : end;
   ++out_.counts.inserted_blocks;
+  if (out_.inserted.empty() || out_.inserted.back().line != block.line) out_.inserted.push_back({block.line, 0});
+  ++out_.inserted.back().count;
 }
 
 }  // namespace trunnion

@@ -42,10 +42,17 @@ struct CorrectionGuard {
 /// Strokes and limits of a machine file.
 CorrectionGuard guard_of(const Machine& machine);
 
+/// Lines that were inserted behind a line of the original.
+struct Insertion {
+  std::uint64_t line = 0;
+  std::uint32_t count = 0;
+};
+
 /// What one chunk of a program became.
 struct CorrectedChunk {
   std::string text;
   CorrectionCounts counts;
+  std::vector<Insertion> inserted;
   std::vector<Refusal> refusals;
 };
 

@@ -177,6 +177,8 @@ class Pipeline {
       if (result_.refusals.size() < kMostRefusals) result_.refusals.push_back(refusal);
     }
     result_.counts += corrected.counts;
+    if (how_.keep_insertions)
+      result_.inserted.insert(result_.inserted.end(), corrected.inserted.begin(), corrected.inserted.end());
     if (chunk.number == 0) find_header_place(chunk.text);
     if (!header_written_ && result_.counts.changed()) {
       if (chunk.number == 0) {
@@ -189,6 +191,7 @@ class Pipeline {
         write_(corrected.text);
       }
       header_written_ = true;
+      result_.header_line = header_line_;
     } else if (header_written_) {
       write_(corrected.text);
     }
@@ -200,6 +203,8 @@ class Pipeline {
 
   void find_header_place(std::string_view text) {
     header_place_ = header_place(text);
+    const std::string_view before = text.substr(0, header_place_);
+    header_line_ = 1 + static_cast<std::uint64_t>(std::count(before.begin(), before.end(), '\n'));
     const std::string_view end = line_end(text.substr(0, line_length(text)));
     header_end_ = end.empty() ? "\n" : end;
   }
@@ -257,6 +262,7 @@ class Pipeline {
   std::uint64_t unchanged_bytes_ = 0;
   bool header_written_ = false;
   std::size_t header_place_ = 0;
+  std::uint64_t header_line_ = 0;
   std::string header_end_ = "\n";
 };
 

@@ -29,12 +29,15 @@ struct ProgramCorrection {
   std::string name = "program";  ///< for messages
   int threads = 2;
   std::size_t chunk_bytes = std::size_t{1} << 18;
+  bool keep_insertions = false;  ///< to play the result back
   ReportProgress progress;
 };
 
 struct ProgramCorrectionResult {
   CorrectionCounts counts;
-  std::vector<Refusal> refusals;  ///< only where keep_going was asked for
+  std::vector<Refusal> refusals;    ///< only where keep_going was asked for
+  std::uint64_t header_line = 0;    ///< of the output, from 1; 0: none
+  std::vector<Insertion> inserted;  ///< ascending; kept if `keep_insertions`
 };
 
 /// The dialects that can be corrected.

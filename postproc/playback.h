@@ -1,0 +1,32 @@
+#pragma once
+
+#include "postproc/program_correction.h"
+
+namespace trunnion {
+
+/// Errors along a path: of the tip, mm, and of the tool axis, rad, seen from the workpiece.
+struct PathError {
+  double largest_tip_mm = 0;
+  double rms_tip_mm = 0;
+  double largest_tilt_rad = 0;
+  double rms_tilt_rad = 0;
+  std::uint64_t tip_line = 0;  ///< of the original, where the largest is met
+  std::uint64_t tilt_line = 0;
+};
+
+struct PlaybackResult {
+  std::uint64_t moves = 0;    ///< blocks of the original that were compared
+  std::uint64_t samples = 0;  ///< places looked at: ends of what was written, and the middles of feed moves
+  PathError before;           ///< of the original program on the machine
+  PathError after;            ///< of what was written
+};
+
+/// Plays a program and its correction on the machine as the correctors' field tells it, by a second, plain reader that
+/// shares no code with the scan, and compares where the tool goes with where the nominal machine would have brought it.
+/// `correction` says only which lines were inserted. Dialect linuxcnc. Throws InputError where the two programs do not
+/// belong together.
+PlaybackResult play_back(const OpenProgram& original, const OpenProgram& corrected, const Corrector& with_tcp,
+                         const Corrector& without_tcp, const ProgramCorrection& how,
+                         const ProgramCorrectionResult& correction);
+
+}  // namespace trunnion

@@ -1,0 +1,68 @@
+#include "postproc/playback.h"
+
+#include <gmock/gmock.h>
+
+#include "shop.h"
+
+namespace trunnion {
+namespace {
+
+PlaybackResult played(Shop& shop, const std::string& program, const std::string& corrected) {
+  CorrectionSettings off = shop.settings;
+  off.tcp = ToolCentrePoint::off;
+  const Corrector with_tcp(shop.chain, shop.field, shop.settings), without_tcp(shop.chain, shop.field, off);
+  const auto opened = [](const std::string& text) -> OpenProgram {
+    return [&text]() -> ReadBytes {
+      return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
+        const std::size_t n = text.copy(buffer, size, at);
+        at += n;
+        return n;
+      };
+    };
+  };
+  return play_back(opened(program), opened(corrected), with_tcp, without_tcp, shop.how, shop.result);
+}
+
+const char* const kProgram =
+    "%\nG21 G0 X10 Y20 Z30 A-40 C50\nG1 X11 Y19.5 A-41 F500\nX40 A-60 C190\nG3 X30 Y29.5 I-10\nG1 G20 X1. Y1.\nG92 "
+    "X0\nG91 X.1\n"
+    "G90 X1\nG92.1\nT1 M6\nG21 G0 X0 Y0 Z50 A-20 C0\nG1 C40 F300\nG53 G0 Z0\nM30\n%\n";
+
+TEST(Playback, ShowsTheErrorBeforeAndWhatIsLeft) {
+  for (const bool tcp : {true, false}) {
+    Shop shop;
+    shop.how.scan.tcp = tcp;
+    shop.how.keep_insertions = true;
+    shop.how.scan.work_offsets_mm = {{"G54", {3, -4, 5}}};
+    const std::string corrected = shop.correct(kProgram);
+    const PlaybackResult result = played(shop, kProgram, corrected);
+    EXPECT_EQ(result.moves, 9u);
+    EXPECT_GT(result.before.largest_tip_mm, 0.01);
+    EXPECT_GT(result.before.largest_tilt_rad, 20e-6);
+    EXPECT_LT(result.after.largest_tip_mm, 3e-4);
+    EXPECT_LT(result.after.largest_tilt_rad, 8e-6);
+    EXPECT_LE(result.after.rms_tip_mm, result.after.largest_tip_mm);
+  }
+}
+
+TEST(Playback, SeesAWordThatIsWrong) {
+  Shop shop;
+  shop.how.keep_insertions = true;
+  std::string corrected = shop.correct(kProgram);
+  const std::size_t line = corrected.find("G1 X1");
+  corrected.replace(line, 5, "G1 X2");
+  const PlaybackResult result = played(shop, kProgram, corrected);
+  EXPECT_NEAR(result.after.largest_tip_mm, 10, 0.01);
+  EXPECT_EQ(result.after.tip_line, 3u);
+}
+
+TEST(Playback, WantsProgramsThatBelongTogether) {
+  Shop shop;
+  shop.how.keep_insertions = true;
+  const std::string corrected = shop.correct(kProgram);
+  EXPECT_THROW(played(shop, kProgram, corrected.substr(0, 300)), InputError);
+  EXPECT_THROW(played(shop, kProgram, corrected + "X1\n"), InputError);
+}
+
+}  // namespace
+}  // namespace trunnion
