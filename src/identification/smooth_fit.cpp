@@ -140,7 +140,72 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
   return e;
 }
 
+/// Whitened rows [map coefficients | unknowns | extra columns]; the basis at one indexed position serves all its
+/// readings.
+class RowWhitener {
+ public:
+  RowWhitener(const LinearProblem& problem, const HarmonicBasis& basis, const Eigen::MatrixXd& extra_columns)
+      : problem_(problem),
+        basis_(basis),
+        extra_(extra_columns),
+        moves_with_point_(problem.chain->has_rotary(Side::tool)),
+        row_(basis.coefficient_count() + static_cast<Eigen::Index>(problem.unknowns.size()) + extra_columns.cols()),
+        column_scale_(Eigen::VectorXd::Constant(row_.size(), kUm)) {
+    for (Eigen::Index k = 0; k < basis.coefficient_count(); ++k) column_scale_[k] = coefficient_scale(k);
+  }
+
+  const Eigen::RowVectorXd& row(Eigen::Index i) {
+    const Reading& reading = problem_.readings[static_cast<std::size_t>(i)];
+    const Situation& s = problem_.situations[reading.row];
+    const Eigen::Index m = basis_.coefficient_count();
+    if (!(s.at == last_) || moves_with_point_) {
+      at_pose_ = gauged_basis(*problem_.chain, basis_, s);
+      last_ = s.at;
+    }
+    row_.setZero();
+    row_.head(m) = reading.functional.transpose() * at_pose_;
+    for (const auto& [k, u] : problem_.terms_of(reading)) row_[m + k] += u;
+    if (extra_.cols() > 0) row_.tail(extra_.cols()) = extra_.row(i);
+    row_ = row_.cwiseProduct(column_scale_.transpose()) / reading.sigma;
+    return row_;
+  }
+  const Eigen::VectorXd& column_scale() const { return column_scale_; }
+
+ private:
+  const LinearProblem& problem_;
+  const HarmonicBasis& basis_;
+  const Eigen::MatrixXd& extra_;
+  bool moves_with_point_;
+  Eigen::RowVectorXd row_;
+  Eigen::VectorXd column_scale_;
+  Matrix6Xd at_pose_;
+  IndexedPosition last_{Angle::radians(1e9), Angle()};
+};
+
+double typical_sigma_um(const LinearProblem& problem) {
+  double sum = 0;
+  for (const Reading& reading : problem.readings)
+    sum += std::log(reading.sigma * (reading.angular ? 100.0 : 1.0) / kUm);
+  return problem.readings.empty() ? 1 : std::exp(sum / static_cast<double>(problem.readings.size()));
+}
+
 }  // namespace
+
+SmoothDesign smooth_design(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior) {
+  SmoothDesign design;
+  const Eigen::MatrixXd none;
+  RowWhitener whitener(problem, basis, none);
+  const auto n = static_cast<Eigen::Index>(problem.readings.size());
+  design.columns.resize(n, whitener.column_scale().size());
+  for (Eigen::Index i = 0; i < n; ++i) design.columns.row(i) = whitener.row(i);
+  const Hyperparameters hyper(basis, typical_sigma_um(problem));
+  Eigen::VectorXd log_variance;
+  Eigen::MatrixXd derivative;
+  hyper.log_variances(hyper.pack(prior), log_variance, derivative);
+  design.precision = Eigen::VectorXd::Zero(design.columns.cols());
+  design.precision.head(log_variance.size()) = (-log_variance).array().exp();
+  return design;
+}
 
 Matrix6Xd gauged_basis(const KinematicChain& chain, const HarmonicBasis& basis, const Situation& s) {
   const RelativeErrorJacobian j = relative_error_jacobian(chain, s.at, {s.point_r_mm, s.tool_length_mm});
@@ -185,29 +250,9 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     return options.values.empty() ? problem.readings[static_cast<std::size_t>(i)].value
                                   : options.values[static_cast<std::size_t>(i)];
   };
-  Eigen::VectorXd column_scale(system.size);
-  for (Eigen::Index k = 0; k < m; ++k) column_scale[k] = coefficient_scale(k);
-  for (Eigen::Index k = m; k < system.size; ++k) column_scale[k] = kUm;
-
-  // Whitened rows; the basis at one indexed position serves all its readings.
-  Matrix6Xd at_pose;
-  IndexedPosition last{Angle::radians(1e9), Angle()};
-  const bool moves_with_point = problem.chain->has_rotary(Side::tool);
-  Eigen::RowVectorXd row(system.size);
-  const auto whiten = [&](Eigen::Index i) {
-    const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
-    const Situation& s = problem.situations[reading.row];
-    if (!(s.at == last) || moves_with_point) {
-      at_pose = gauged_basis(*problem.chain, basis, s);
-      last = s.at;
-    }
-    row.setZero();
-    row.head(m) = reading.functional.transpose() * at_pose;
-    for (const auto& [k, u] : problem.terms_of(reading)) row[m + k] += u;
-    if (extras > 0) row.tail(extras) = options.extra_columns.row(i);
-    row = row.cwiseProduct(column_scale.transpose()) / reading.sigma;
-  };
-  double sigma_log = 0, sigma_count = 0;
+  RowWhitener whitener(problem, basis, options.extra_columns);
+  const auto whiten = [&](Eigen::Index i) -> const Eigen::RowVectorXd& { return whitener.row(i); };
+  const Eigen::VectorXd& column_scale = whitener.column_scale();
   constexpr Eigen::Index kChunk = 256;
   Eigen::MatrixXd chunk(kChunk, system.size);
   Eigen::VectorXd chunk_y(kChunk);
@@ -224,17 +269,15 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
       const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
       const double w = weight_of(i);
       if (reading.angular != (c == 1) || w <= 0) continue;
-      whiten(i);
-      chunk.row(filled) = std::sqrt(w) * row;
+      chunk.row(filled) = std::sqrt(w) * whiten(i);
       chunk_y[filled] = std::sqrt(w) * value_of(i) / reading.sigma;
       ++system.count[c];
-      sigma_log += std::log(reading.sigma * (reading.angular ? 100.0 : 1.0) / kUm), ++sigma_count;
       if (++filled == kChunk) flush();
     }
     flush();
     system.normal[c].triangularView<Eigen::StrictlyUpper>() = system.normal[c].transpose();
   }
-  const Hyperparameters hyper(basis, sigma_count > 0 ? std::exp(sigma_log / sigma_count) : 1.0);
+  const Hyperparameters hyper(basis, typical_sigma_um(problem));
 
   SmoothFit fit{.basis = basis};
   double noise[2] = {1, 1};
@@ -294,7 +337,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
   fit.extra_covariance = covariance.bottomRightCorner(extras, extras);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
-    whiten(i);
+    const Eigen::RowVectorXd& row = whiten(i);
     const double scale = reading.angular ? noise[1] : noise[0];
     const double z = value_of(i) / reading.sigma - row.dot(e.solution);
     fit.residual.push_back(z * reading.sigma);

@@ -51,6 +51,14 @@ HarmonicBasis basis_for(const LinearProblem& problem, int most_harmonics = 6);
 
 SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothOptions& options = {});
 
+/// Whitened design of a smooth fit, one row per reading: the basis' coefficients, then the measurement's unknowns, in
+/// units in which the numbers are of order one (um, urad); and the prior precision of each column (0: free).
+struct SmoothDesign {
+  Eigen::MatrixXd columns;
+  Eigen::VectorXd precision;
+};
+SmoothDesign smooth_design(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior);
+
 /// The 6 x m derivative of the pose error at `situation` by the coefficients of a HarmonicSurface, gauged at the
 /// reference pose.
 Matrix6Xd gauged_basis(const KinematicChain& chain, const HarmonicBasis& basis, const Situation& situation);

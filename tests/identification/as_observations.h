@@ -11,10 +11,12 @@
 namespace trunnion::testing {
 
 /// The rows of the virtual machine as the program holds them after reading a file.
-inline ObservationSet as_observations(const std::vector<ObservationRow>& rows, const std::string& name = "virtual.csv") {
+inline ObservationSet as_observations(const std::vector<ObservationRow>& rows,
+                                      const std::string& name = "virtual.csv") {
   ObservationSet set{.files = {name}};
   std::map<std::string, std::uint32_t> points, artifacts;
-  const auto intern = [](std::map<std::string, std::uint32_t>& known, std::vector<std::string>& labels, const std::string& label) {
+  const auto intern = [](std::map<std::string, std::uint32_t>& known, std::vector<std::string>& labels,
+                         const std::string& label) {
     const auto [entry, added] = known.emplace(label, static_cast<std::uint32_t>(labels.size()));
     if (added) labels.push_back(label);
     return entry->second;
@@ -24,10 +26,10 @@ inline ObservationSet as_observations(const std::vector<ObservationRow>& rows, c
   std::uint32_t line = 1;
   for (const ObservationRow& row : rows) {
     Observation o;
-    o.kind = row.kind == "contact" ? ReadingKind::contact
+    o.kind = row.kind == "contact"        ? ReadingKind::contact
              : row.kind == "displacement" ? ReadingKind::displacement
-             : row.kind == "rotation" ? ReadingKind::rotation
-                                      : ReadingKind::pose;
+             : row.kind == "rotation"     ? ReadingKind::rotation
+                                          : ReadingKind::pose;
     o.line = ++line;
     o.at = {Angle::degrees(row.A_deg), Angle::degrees(row.C_deg)};
     o.point = intern(points, set.points, row.point);
