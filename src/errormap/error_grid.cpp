@@ -28,6 +28,7 @@ ErrorGrid with_coefficients(const ErrorGrid& grid, const Eigen::VectorXd& coeffi
 }
 
 ErrorGrid split_after_eq1(const ErrorGrid& grid, const KinematicChain& chain) {
+  if (!chain.tilt_carries_turn()) return grid;
   ErrorGrid result = grid;
   const std::size_t columns = grid.c_stations.size();
   for (std::size_t i = 0; i < grid.a_stations.size(); ++i) {

@@ -34,7 +34,9 @@ ErrorGrid zero_grid(std::vector<Angle> a_stations, std::vector<Angle> c_stations
 ErrorGrid with_coefficients(const ErrorGrid& grid, const Eigen::VectorXd& coefficients);
 
 /// The same pose errors with C's six averaging to zero over the C stations at each A (Eq. 1): the mean goes to the
-/// tilting axis, turned by its nominal motion. Needs the chain to know how A carries C (exact to first order).
+/// tilting axis, turned by its nominal motion; exact to first order. Only where the tilting axis carries C, as on a
+/// trunnion: elsewhere (C carries the tilting axis, or they stand on different sides of the bed) a constant of C is no
+/// error of the tilting axis, and the grid comes back as it is.
 ErrorGrid split_after_eq1(const ErrorGrid& grid, const KinematicChain& chain);
 
 }  // namespace trunnion

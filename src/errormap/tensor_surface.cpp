@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace trunnion {
 namespace {
@@ -106,14 +107,12 @@ StationWeights cubic_weights(const std::vector<Angle>& stations) {
 StationWeights trigonometric_weights(const std::vector<Angle>& stations) {
   const std::vector<double> x = radians(stations);
   const auto n = static_cast<Eigen::Index>(x.size());
-  // Even n: the last harmonic keeps one phase only, the one that the nodes see best: their own mean phase.
+  // Even n: the last harmonic keeps one phase only, the one that the nodes see best. The determinant of the collocation
+  // is const * sin(sum(x) / 2 - phase) * prod sin((x_i - x_j) / 2), so this phase makes it as large as it can be, and
+  // the stations, being different modulo a turn, always determine the interpolant. Equidistant: a cosine from a
+  // station.
   double phase = 0;
-  if (n % 2 == 0) {
-    double s = 0, c = 0;
-    for (const double angle : x)
-      s += std::sin(static_cast<double>(n) * angle), c += std::cos(static_cast<double>(n) * angle);
-    phase = std::atan2(s, c) / 2;
-  }
+  if (n % 2 == 0) phase = 0.5 * std::accumulate(x.begin(), x.end(), 0.0) - std::numbers::pi / 2;
   const auto basis = [n, phase](double at) {
     Eigen::VectorXd b(n);
     b[0] = 1;

@@ -62,4 +62,6 @@ bool KinematicChain::has_rotary(Side side) const {
 
 bool KinematicChain::turn_carries_tilt() const { return joints_[0].side == joints_[1].side && tilt_ == 1; }
 
+bool KinematicChain::tilt_carries_turn() const { return joints_[0].side == joints_[1].side && tilt_ == 0; }
+
 }  // namespace trunnion

@@ -43,6 +43,7 @@ class KinematicChain {
   std::size_t tilt_index() const { return tilt_; }
   std::size_t turn_index() const { return 1 - tilt_; }
   bool turn_carries_tilt() const;  ///< whether C stands nearer to R than A on the same side
+  bool tilt_carries_turn() const;  ///< whether A stands nearer to R than C on the same side, as on a trunnion
 
   /// Whether the table carries a rotary axis, and whether the tool does.
   bool has_rotary(Side side) const;
