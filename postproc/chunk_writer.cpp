@@ -209,7 +209,7 @@ ChunkWriter::Solution ChunkWriter::solve(const MotionBlock& block, const AxisVal
   return solution;
 }
 
-void ChunkWriter::check(const AxisValues& at, const Solution& solution, const MotionBlock& block) const {
+void ChunkWriter::check(const AxisValues& at, const Solution& solution) const {
   const double deviation = solution.linear.deviation_mm, tilt = solution.linear.error.rotation_rad.norm();
   if (deviation > guard_.limits.deviation.in_millimetres())
     throw RangeError("deviation " + text_of(deviation * 1e3, 1) + " um, limits.correction_um is " +
@@ -217,7 +217,7 @@ void ChunkWriter::check(const AxisValues& at, const Solution& solution, const Mo
   if (tilt > guard_.limits.tilt.in_radians())
     throw RangeError("tilt " + text_of(tilt * 1e6, 1) + " urad, limits.correction_urad is " +
                      text_of(guard_.limits.tilt.in_microradians(), 3));
-  const Vector3d slides = corrector(block).nominal_tip_r(solution.commanded);
+  const Vector3d& slides = solution.linear.tip_r_mm;
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (!guard_.stroke[i]) continue;
     // A rotary axis is judged by the programmed angle, a slide by where it would be sent.
@@ -375,11 +375,11 @@ ChunkWriter::NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks
 
 void ChunkWriter::correct(const MotionBlock& block) {
   const Solution end = solve(block, block.target);
-  check(block.target, end, block);
+  check(block.target, end);
   const Ticks before = ticks_before(block);
   const Way sent = way(block, end);
   const std::vector<Solution>& ends = sent.ends;
-  for (const Solution& solution : ends) check(solution.programmed, solution, block);
+  for (const Solution& solution : ends) check(solution.programmed, solution);
   if (ends.size() > 1 && block.stops)
     throw RefusalError("a move that must be divided stands in one block with a program stop; give each its own block");
   const std::vector<Piece> parts = pieces(block, ends, before);

@@ -102,7 +102,7 @@ class ChunkWriter {
 
   const Corrector& corrector(const MotionBlock& block) const { return block.tcp ? with_tcp_ : without_tcp_; }
   Solution solve(const MotionBlock& block, const AxisValues& at) const;
-  void check(const AxisValues& at, const Solution& solution, const MotionBlock& block) const;
+  void check(const AxisValues& at, const Solution& solution) const;
   bool holds_between(const MotionBlock& block, const Solution& from, double from_part, const Solution& to,
                      double to_part, double& tip_mm, double& tilt_rad) const;
   bool stays_an_arc(const MotionBlock& block, const Solution& begin, const Solution& end) const;

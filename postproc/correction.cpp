@@ -6,22 +6,52 @@ namespace trunnion {
 namespace {
 
 using Eigen::Matrix2d;
+using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kDerivativeStep_rad =
-    1e-4;  // errors change over tenths of a radian: 1e-9 of them is lost to curvature
-constexpr double kConverged_rad = 1e-12;
-constexpr int kMostSteps = 8;  // two do unless the errors are absurd
+    1e-4;                                // errors change over tenths of a radian: 1e-9 of them is lost to curvature
+constexpr double kConverged_rad = 1e-9;  // a further step would be a thousandth of this
+constexpr int kMostSteps = 8;            // two do unless the errors are absurd
 
-/// `v` turned by `angle` about the unit vector `axis` (Rodrigues).
+constexpr double kSmall_rad = 0.005;  // its seventh power is beyond double precision
+
+/// `v` turned by `angle` about the unit vector `axis` (Rodrigues). Corrections are small: their sine is a short series.
 Vector3d turned(const Vector3d& v, const Vector3d& axis, double angle) {
-  const double s = std::sin(angle), h = std::sin(0.5 * angle);
-  return v + s * axis.cross(v) + 2 * h * h * axis.cross(axis.cross(v));
+  double sine, versine;
+  if (std::abs(angle) < kSmall_rad) {
+    const double square = angle * angle;
+    sine = angle * (1 - square / 6 * (1 - square / 20));
+    versine = square / 2 * (1 - square / 12 * (1 - square / 30));
+  } else {
+    const double half = std::sin(0.5 * angle);
+    sine = std::sin(angle);
+    versine = 2 * half * half;
+  }
+  const Vector3d across = axis.cross(v);
+  return v + sine * across + versine * axis.cross(across);
 }
 
-Eigen::Matrix3d rotation(const Vector3d& rotation_rad) {
-  return transform(PoseError{.rotation_rad = rotation_rad}).linear();
+struct SineCosine {
+  double sine, cosine;
+};
+SineCosine sine_cosine(double angle) {
+  if (std::abs(angle) >= kSmall_rad) return {std::sin(angle), std::cos(angle)};
+  const double square = angle * angle;
+  return {angle * (1 - square / 6 * (1 - square / 20)), 1 - square / 2 * (1 - square / 12 * (1 - square / 30))};
+}
+
+/// Rx(a) Ry(b) Rz(c): the rotation of a pose error.
+Matrix3d rotation(const Vector3d& rotation_rad) {
+  const auto [sa, ca] = sine_cosine(rotation_rad.x());
+  const auto [sb, cb] = sine_cosine(rotation_rad.y());
+  const auto [sc, cc] = sine_cosine(rotation_rad.z());
+  Matrix3d r;
+  r << cb * cc, -cb * sc, sb,                                    //
+      ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb,  //
+      sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb;
+  return r;
 }
 
 /// `value` for |value| << `limit`, `limit` at most, without a corner between.
@@ -35,15 +65,14 @@ double saturated(double value, double limit) {
 /// The tool axis and the wanted axis near one programmed rotary position, the errors linear in (dA, dC).
 class AxisMismatch {
  public:
-  AxisMismatch(const KinematicChain& chain, IndexedPosition at, const Vector3d& error, const Vector3d& error_by_a,
-               const Vector3d& error_by_c)
-      : error_(error), error_by_a_(error_by_a), error_by_c_(error_by_c) {
-    tool_ = chain.r_from_t(at).linear().col(2);
-    for (std::size_t i = 0; i < 2; ++i) {
-      const RotaryJoint& joint = chain.rotary_joints()[i];
-      lines_[i] = chain.r_from_joint(i, at).linear() * joint.direction;
-      of_workpiece_[i] = joint.side == Side::workpiece;
-    }
+  AxisMismatch(const KinematicChain& chain, const Vector3d& tool, const Vector3d (&lines)[2], const Vector3d& error,
+               const Vector3d& error_by_a, const Vector3d& error_by_c)
+      : error_rotation_(rotation(error)),
+        error_by_a_(error_by_a),
+        error_by_c_(error_by_c),
+        tool_(tool),
+        lines_{lines[0], lines[1]} {
+    for (std::size_t i = 0; i < 2; ++i) of_workpiece_[i] = chain.rotary_joints()[i].side == Side::workpiece;
     tilt_ = chain.tilt_index();
     // At right angles to the tool axis, where mismatches are seen.
     across_ = Matrix32::Zero();
@@ -53,8 +82,10 @@ class AxisMismatch {
 
   /// v - z across the tool axis, rad.
   Vector2d mismatch(const Vector2d& dq) const {
-    const Vector3d wanted = rotation(error_ + error_by_a_ * dq[0] + error_by_c_ * dq[1]) * moved(tool_, dq, true);
-    return across_.transpose() * (wanted - moved(tool_, dq, false));
+    // The error's own change is a thousandth of a small angle: first order will do, beyond 1e-10 rad.
+    Vector3d wanted = error_rotation_ * moved(tool_, dq, Side::workpiece);
+    wanted += (error_by_a_ * dq[0] + error_by_c_ * dq[1]).cross(wanted);
+    return across_.transpose() * (wanted - moved(tool_, dq, Side::tool));
   }
 
   /// d(mismatch)/d(dA, dC) of the nominal machine at dq = 0: a C parallel to the tool moves nothing.
@@ -79,13 +110,14 @@ class AxisMismatch {
   using Matrix32 = Eigen::Matrix<double, 3, 2>;
 
   /// The tool axis direction carried along by the joints of one side: the inner joint turns first.
-  Vector3d moved(Vector3d v, const Vector2d& dq, bool workpiece) const {
+  Vector3d moved(Vector3d v, const Vector2d& dq, Side side) const {
     for (std::size_t i = 2; i-- > 0;)
-      if (of_workpiece_[i] == workpiece) v = turned(v, lines_[i], dq[i == tilt_ ? 0 : 1]);
+      if (of_workpiece_[i] == (side == Side::workpiece)) v = turned(v, lines_[i], dq[i == tilt_ ? 0 : 1]);
     return v;
   }
 
-  Vector3d error_, error_by_a_, error_by_c_;
+  Matrix3d error_rotation_;
+  Vector3d error_by_a_, error_by_c_;
   Vector3d tool_;
   Vector3d lines_[2];
   bool of_workpiece_[2];
@@ -94,6 +126,51 @@ class AxisMismatch {
 };
 
 }  // namespace
+
+Corrector::Corrector(const KinematicChain& chain, const ErrorField& field, CorrectionSettings settings)
+    : chain_(chain), field_(field), settings_(settings), tool_side_(chain.has_rotary(Side::tool)) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    cross_[i] = cross_matrix(chain.rotary_joints()[i].direction);
+    cross2_[i] = cross_[i] * cross_[i];
+  }
+}
+
+Corrector::Stand Corrector::stand(IndexedPosition position) const {
+  Stand at;
+  at.w_rotation = at.t_rotation = Matrix3d::Identity();
+  at.w_origin = at.t_origin = Vector3d::Zero();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const RotaryJoint& joint = chain_.rotary_joints()[i];
+    const double angle = (i == chain_.tilt_index() ? position.a : position.c).in_radians();
+    const Matrix3d motion = Matrix3d::Identity() + std::sin(angle) * cross_[i] + (1 - std::cos(angle)) * cross2_[i];
+    Matrix3d& rotation = joint.side == Side::workpiece ? at.w_rotation : at.t_rotation;
+    Vector3d& origin = joint.side == Side::workpiece ? at.w_origin : at.t_origin;
+    at.lines[i] = rotation * joint.direction;
+    origin += rotation * (joint.origin_mm - motion * joint.origin_mm);
+    rotation = rotation * motion;
+  }
+  return at;
+}
+
+Vector3d Corrector::tip_r(const Commanded& programmed, const Stand& at) const {
+  if (settings_.tcp == ToolCentrePoint::on) return at.w_rotation * programmed.xyz_mm + at.w_origin;
+  if (!tool_side_) return programmed.xyz_mm;
+  const Vector3d tool(0, 0, -settings_.tool_length_mm);
+  return programmed.xyz_mm + at.t_rotation * tool + at.t_origin - tool;
+}
+
+Vector3d Corrector::tip_w(const Commanded& programmed, const Stand& at) const {
+  if (settings_.tcp == ToolCentrePoint::on) return programmed.xyz_mm;
+  return at.w_rotation.transpose() * (tip_r(programmed, at) - at.w_origin);
+}
+
+Vector3d Corrector::nominal_tip_w(const Commanded& programmed) const {
+  return tip_w(programmed, stand(programmed.rotary));
+}
+
+Vector3d Corrector::nominal_tip_r(const Commanded& programmed) const {
+  return tip_r(programmed, stand(programmed.rotary));
+}
 
 PoseError Corrector::error_at(const Commanded& programmed, IndexedPosition position, const Vector3d& tip_r_mm) const {
   Situation situation;
@@ -105,34 +182,22 @@ PoseError Corrector::error_at(const Commanded& programmed, IndexedPosition posit
   return field_.at(situation);
 }
 
-Vector3d Corrector::nominal_tip_w(const Commanded& programmed) const {
-  if (settings_.tcp == ToolCentrePoint::on) return programmed.xyz_mm;
-  return chain_.r_from_w(programmed.rotary).inverse() * nominal_tip_r(programmed);
-}
-
-Vector3d Corrector::nominal_tip_r(const Commanded& programmed) const {
-  if (settings_.tcp == ToolCentrePoint::on) return chain_.r_from_w(programmed.rotary) * programmed.xyz_mm;
-  if (!chain_.has_rotary(Side::tool)) return programmed.xyz_mm;
-  const Vector3d tool(0, 0, -settings_.tool_length_mm);
-  return programmed.xyz_mm + chain_.r_from_t(programmed.rotary) * tool - tool;
-}
-
 RotaryCorrection Corrector::rotary(const Commanded& programmed) const {
   if (settings_.orientation == Orientation::as_programmed) return {};
-  const Vector3d tip = nominal_tip_r(programmed);
   const IndexedPosition at = programmed.rotary;
+  const Stand here = stand(at);
+  const Vector3d tip = tip_r(programmed, here);
   const Vector3d error = error_at(programmed, at, tip).rotation_rad;
   const Angle step = Angle::radians(kDerivativeStep_rad);
   const Vector3d by_a = (error_at(programmed, {at.a + step, at.c}, tip).rotation_rad - error) / kDerivativeStep_rad;
   const Vector3d by_c = (error_at(programmed, {at.a, at.c + step}, tip).rotation_rad - error) / kDerivativeStep_rad;
-  const AxisMismatch axes(chain_, at, error, by_a, by_c);
+  const AxisMismatch axes(chain_, here.t_rotation.col(2), here.lines, error, by_a, by_c);
 
   // Stationary point J~^T m(q) + diag(0, lambda^2) dq = 0 by Newton with the full derivative. J~ is the nominal one, so
   // that a C parallel to the tool keeps its programmed value.
   const double lambda = std::sin(settings_.damping.in_radians());
   const Matrix2d gradient = axes.nominal_jacobian().transpose();
-  const Matrix2d slope = axes.jacobian();
-  Matrix2d normal = gradient * slope;
+  Matrix2d normal = gradient * axes.jacobian();
   normal(1, 1) += lambda * lambda;
   const Matrix2d inverse = normal.inverse();
   Vector2d dq = Vector2d::Zero();
@@ -145,46 +210,55 @@ RotaryCorrection Corrector::rotary(const Commanded& programmed) const {
   }
   // The tilting axis, undamped, at the C that is left.
   dq[1] = saturated(dq[1], settings_.largest_rotary_change.in_radians());
+  Vector2d left;
   for (int i = 0; i < kMostSteps; ++i) {
-    const double change = gradient.row(0).dot(axes.mismatch(dq)) / normal(0, 0);
+    left = axes.mismatch(dq);
+    const double change = gradient.row(0).dot(left) / normal(0, 0);
     dq[0] -= change;
     if (std::abs(change) < kConverged_rad) break;
   }
-  return {Angle::radians(dq[0]), Angle::radians(dq[1]), Angle::radians(axes.mismatch(dq).norm())};
+  return {Angle::radians(dq[0]), Angle::radians(dq[1]), Angle::radians(left.norm())};
 }
 
 Corrector::Linear Corrector::linear(const Commanded& programmed, IndexedPosition rotary) const {
-  const Eigen::Isometry3d table = chain_.r_from_w(rotary);
   const bool moved = !(rotary == programmed.rotary);
   const bool on = settings_.tcp == ToolCentrePoint::on;
-  const Vector3d tip_w = nominal_tip_w(programmed);
-  const Vector3d tip_r = on || moved ? Vector3d(table * tip_w) : nominal_tip_r(programmed);
-  Linear result;
-  result.error = error_at(programmed, rotary, tip_r);
-  const Vector3d deviation = displacement_mm(result.error, tip_r);
-  result.deviation_mm = deviation.norm();
+  const Stand there = stand(rotary);
+  // Where tip and workpiece point are brought together: at the nominal place of the wanted point, the table at
+  // `rotary`.
+  Vector3d tip;
+  Vector3d nominal = programmed.xyz_mm;
   if (on) {
-    result.change_mm = table.linear().transpose() * deviation;
+    tip = there.w_rotation * programmed.xyz_mm + there.w_origin;
+  } else if (!moved) {
+    tip = nominal = tip_r(programmed, there);
   } else {
-    result.change_mm = deviation;
-    if (moved) {
-      result.change_mm += tip_r - nominal_tip_r(programmed);
-      const Vector3d tool(0, 0, -settings_.tool_length_mm);
-      if (chain_.has_rotary(Side::tool))
-        result.change_mm -= (chain_.r_from_t(rotary).linear() - chain_.r_from_t(programmed.rotary).linear()) * tool +
-                            chain_.r_from_t(rotary).translation() - chain_.r_from_t(programmed.rotary).translation();
-    }
+    const Stand meant = stand(programmed.rotary);
+    nominal = tip_r(programmed, meant);
+    tip = there.w_rotation * (meant.w_rotation.transpose() * (nominal - meant.w_origin)) + there.w_origin;
+  }
+  Linear result;
+  result.error = error_at(programmed, rotary, tip);
+  const Vector3d deviation = rotation(result.error.rotation_rad) * tip - tip + result.error.translation_mm;
+  result.deviation_mm = deviation.norm();
+  result.tip_r_mm = tip + deviation;
+  if (on) {
+    result.change_mm = there.w_rotation.transpose() * deviation;
+  } else {
+    // X Y Z that bring the tip to where the wanted point is, the head at `rotary`.
+    const Commanded same{programmed.xyz_mm, rotary};
+    result.change_mm = deviation + tip - (tool_side_ ? tip_r(same, there) : programmed.xyz_mm);
+    if (!moved) result.change_mm = deviation;
   }
   return result;
 }
 
 Angle Corrector::tilt_error(const Commanded& programmed, IndexedPosition rotary) const {
-  const Vector3d wanted_w =
-      chain_.r_from_w(programmed.rotary).linear().transpose() * chain_.r_from_t(programmed.rotary).linear().col(2);
-  const Eigen::Isometry3d table = chain_.r_from_w(rotary);
-  const PoseError error = error_at(programmed, rotary, table * nominal_tip_w(programmed));
-  const Vector3d wanted = rotation(error.rotation_rad) * (table.linear() * wanted_w);
-  const Vector3d tool = chain_.r_from_t(rotary).linear().col(2);
+  const Stand meant = stand(programmed.rotary), there = stand(rotary);
+  const Vector3d wanted_w = meant.w_rotation.transpose() * meant.t_rotation.col(2);
+  const PoseError error = error_at(programmed, rotary, there.w_rotation * tip_w(programmed, meant) + there.w_origin);
+  const Vector3d wanted = rotation(error.rotation_rad) * (there.w_rotation * wanted_w);
+  const Vector3d tool = there.t_rotation.col(2);
   return Angle::radians(std::atan2(wanted.cross(tool).norm(), wanted.dot(tool)));
 }
 

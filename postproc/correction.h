@@ -59,8 +59,7 @@ struct RotaryCorrection {
 class Corrector {
  public:
   /// `chain` and `field` must outlive it.
-  Corrector(const KinematicChain& chain, const ErrorField& field, CorrectionSettings settings)
-      : chain_(chain), field_(field), settings_(settings) {}
+  Corrector(const KinematicChain& chain, const ErrorField& field, CorrectionSettings settings);
 
   const CorrectionSettings& settings() const { return settings_; }
   const KinematicChain& chain() const { return chain_; }
@@ -79,7 +78,8 @@ class Corrector {
   struct Linear {
     Eigen::Vector3d change_mm;
     PoseError error;
-    double deviation_mm;  ///< |d| at the tip
+    double deviation_mm;       ///< |d| at the tip
+    Eigen::Vector3d tip_r_mm;  ///< where the nominal machine takes the tip with the changed commands
   };
   Linear linear(const Commanded& programmed, IndexedPosition rotary) const;
 
@@ -89,11 +89,22 @@ class Corrector {
   double tip_error_mm(const Commanded& programmed, const Commanded& commanded) const;
 
  private:
+  /// Where the nominal rotary axes stand: the chain's transforms, written out for speed.
+  struct Stand {
+    Eigen::Matrix3d w_rotation, t_rotation;  // of r_from_w and r_from_t
+    Eigen::Vector3d w_origin, t_origin;
+    Eigen::Vector3d lines[2];  // the joints' directions in R
+  };
+  Stand stand(IndexedPosition position) const;
+  Eigen::Vector3d tip_w(const Commanded& programmed, const Stand& at) const;
+  Eigen::Vector3d tip_r(const Commanded& programmed, const Stand& at) const;
   PoseError error_at(const Commanded& programmed, IndexedPosition position, const Eigen::Vector3d& tip_r_mm) const;
 
   const KinematicChain& chain_;
   const ErrorField& field_;
   CorrectionSettings settings_;
+  bool tool_side_ = false;
+  Eigen::Matrix3d cross_[2], cross2_[2];  // of the joints' directions at zero, and squared
 };
 
 }  // namespace trunnion

@@ -15,6 +15,8 @@ constexpr std::array<std::int64_t, 19> kPowers = [] {
   return powers;
 }();
 
+constexpr std::int64_t kMostMantissa = 100'000'000'000'000'000;  // one digit more makes kMostDigits
+
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
@@ -47,25 +49,49 @@ std::optional<ScannedNumber> scan_number(std::string_view text) {
     ++at;
   }
   std::int64_t mantissa = 0;
-  int whole = 0, significant = 0, decimals = 0;
-  bool point = false, begins_with_zero = false;
+  int whole = 0, decimals = 0;
+  bool point = false;
+  const char* first = at;  // of the digits
+  // Digits, a point, digits: nearly every number is that.
+  const auto digits = [&] {
+    const char* const begin = at;
+    for (unsigned digit; at != end && (digit = static_cast<unsigned>(*at - '0')) < 10; ++at) {
+      if (mantissa >= kMostMantissa) return -1;
+      mantissa = 10 * mantissa + digit;
+    }
+    return static_cast<int>(at - begin);
+  };
+  if ((whole = digits()) < 0) return std::nullopt;
+  if (at != end && *at == '.') {
+    point = true;
+    ++at;
+    if ((decimals = digits()) < 0) return std::nullopt;
+  }
   const char* after = at;  // behind the last byte that belongs to the number
-  for (;; ++at) {
+  while (at != end && is_blank(*at)) {
+    // Controls pass over blanks inside a number.
     while (at != end && is_blank(*at)) ++at;
     if (at == end) break;
-    if (is_digit(*at)) {
-      if (whole == 0 && !point) begins_with_zero = *at == '0';
-      mantissa = 10 * mantissa + (*at - '0');
-      significant += mantissa != 0;
-      if (significant > kMostDigits) return std::nullopt;
-      ++(point ? decimals : whole);
-    } else if (*at == '.' && !point) {
+    if (*at == '.' && !point) {
       point = true;
-    } else {
+      ++at;
+    } else if (!is_digit(*at)) {
       break;
     }
-    after = at + 1;
+    if (whole == 0 && !point) first = at;
+    const int more = digits();
+    if (more < 0) return std::nullopt;
+    (point ? decimals : whole) += more;
+    if (!point && at != end && *at == '.') {
+      point = true;
+      ++at;
+      const int further = digits();
+      if (further < 0) return std::nullopt;
+      decimals += further;
+    }
+    after = at;
   }
+  const bool begins_with_zero = whole > 0 && *first == '0';
   if (whole + decimals == 0 || whole > kMostDigits || decimals > kMostDecimals) return std::nullopt;
   scanned.style.leading_zero = whole > 0;
   if (begins_with_zero && whole > 1) scanned.style.whole_digits = static_cast<std::uint8_t>(whole);
@@ -81,6 +107,7 @@ Decimal rounded(double value, int decimals) {
 }
 
 Decimal operator+(Decimal a, Decimal b) {
+  if (a.decimals == b.decimals) return {a.mantissa + b.mantissa, a.decimals};
   const auto [x, y] = aligned(a, b);
   return {x.mantissa + y.mantissa, x.decimals};
 }
