@@ -1,0 +1,168 @@
+#include "testpiece/sensitivity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include "geometric_errors/rotary_errors.h"
+#include "geometric_errors/symbol.h"
+
+namespace trunnion {
+namespace {
+
+/// The twelve rotary errors as a function of position, as an effect: exact, relative to the reference pose.
+class RotaryMotion : public Effect {
+ public:
+  using Errors = std::function<RotaryErrors(IndexedPosition)>;
+  RotaryMotion(std::shared_ptr<const KinematicChain> chain, Errors errors)
+      : chain_(std::move(chain)), errors_(std::move(errors)) {}
+  std::string id() const override { return "rotary_motion"; }
+  Origin origin() const override { return Origin::machine; }
+  std::vector<std::string> depends_on() const override { return {}; }
+  Matrix6Xd basis(const Situation&) const override { return Matrix6Xd(6, 0); }
+  PoseError at(const Situation& s) const override {
+    return relative_pose_error(*chain_, s.at, errors_(s.at), errors_({}), {s.point_r_mm, s.tool_length_mm});
+  }
+
+ protected:
+  std::shared_ptr<Effect> clone() const override { return std::make_shared<RotaryMotion>(*this); }
+
+ private:
+  std::shared_ptr<const KinematicChain> chain_;
+  Errors errors_;
+};
+
+/// A piece with its path, cut again for one error after another.
+class Bench {
+ public:
+  Bench(const TestPiece& piece, const EffectContext& context, const SensitivityOptions& options)
+      : piece_(piece), chain_(context.chain), options_(options), surface_(evaluated_surface(piece)) {
+    path_ = flank_milling_path(piece, *chain_, {.steps_per_turn = piece.points, .largest_turn = Angle::degrees(30)});
+    for (const ToolPosition& p : path_) steepest_ = std::min(steepest_, p.at.a);
+  }
+
+  Angle steepest() const { return steepest_; }
+
+  /// Component `k` of the tilting axis or of C, `amount` times `shape` of the position.
+  Sensitivity of(const std::string& name, bool of_turning_axis, std::size_t k,
+                 const std::function<double(IndexedPosition)>& shape) const {
+    const double amount = k < 3 ? options_.length.in_millimetres() : options_.angle.in_radians();
+    Model model;
+    model.effects = {std::make_shared<RotaryMotion>(chain_, [=](IndexedPosition at) {
+      Vector6d six = Vector6d::Zero();
+      six[static_cast<Eigen::Index>(k)] = amount * shape(at);
+      RotaryErrors errors;
+      (of_turning_axis ? errors.turn : errors.tilt) = PoseError::from_vector(six);
+      return errors;
+    })};
+    const std::vector<ToolInWorkpiece> tools = actual_tools(path_, *chain_, model, piece_.tool.length);
+    const std::vector<ConeTrace> traces =
+        traces_of(piece_, surface_, first_order_deviation_mm(piece_, surface_, path_, tools));
+    Sensitivity found{.error = name,
+                      .amount = to_unit(amount, component_unit(k)),
+                      .unit = component_unit(k),
+                      .shown = evaluate_cone(traces, piece_.cone.half_angle)};
+    for (std::size_t j = 0; j < traces.size(); ++j) {
+      const HeightEvaluation& at = found.shown.heights[j];
+      found.size_mm += (at.diameter_mm - 2 * traces[j].nominal_radius_mm) / static_cast<double>(traces.size());
+      found.seen_in_roundness = found.seen_in_roundness || at.lsc_mm >= options_.visible.in_millimetres();
+    }
+    return found;
+  }
+
+  Sensitivity of(const LocationError& error) const {
+    return of(error.symbol, error.of_turning_axis, error.component, [](IndexedPosition) { return 1.0; });
+  }
+
+ private:
+  TestPiece piece_;
+  std::shared_ptr<const KinematicChain> chain_;
+  SensitivityOptions options_;
+  SurfaceGrid surface_;
+  std::vector<ToolPosition> path_;
+  Angle steepest_;
+};
+
+double largest_lsc_mm(const Sensitivity& s) {
+  double most = 0;
+  for (const HeightEvaluation& at : s.shown.heights) most = std::max(most, at.lsc_mm);
+  return most;
+}
+
+}  // namespace
+
+std::vector<Sensitivity> sensitivities(const TestPiece& piece, const EffectContext& context,
+                                       const SensitivityOptions& options) {
+  const Bench bench(piece, context, options);
+  std::vector<Sensitivity> found;
+  for (const LocationError& error : location_errors(context.tilt_letter)) found.push_back(bench.of(error));
+  const double steepest = bench.steepest().in_radians() != 0 ? bench.steepest().in_radians() : 1;
+  for (std::size_t k = 0; k < 6; ++k)
+    for (int order = 1; order <= 3; ++order) {
+      const std::string power = order == 1 ? "" : "^" + std::to_string(order);
+      found.push_back(bench.of(error_symbol(k, context.tilt_letter) + " " + context.tilt_letter + power, false, k,
+                               [=](IndexedPosition at) { return std::pow(at.a.in_radians() / steepest, order); }));
+    }
+  for (std::size_t k = 0; k < 6; ++k)
+    for (int order = 1; order <= 3; ++order) {
+      const std::string multiple = (order == 1 ? "" : std::to_string(order)) + std::string("C");
+      found.push_back(bench.of(error_symbol(k, 'C') + " cos " + multiple, true, k,
+                               [=](IndexedPosition at) { return std::cos(order * at.c.in_radians()); }));
+      found.push_back(bench.of(error_symbol(k, 'C') + " sin " + multiple, true, k,
+                               [=](IndexedPosition at) { return std::sin(order * at.c.in_radians()); }));
+    }
+  return found;
+}
+
+BetterPiece better_piece(const TestPiece& piece, const EffectContext& context, Angle steepest,
+                         const SensitivityOptions& options) {
+  const auto errors = location_errors(context.tilt_letter);
+  struct Candidate {
+    TestPiece piece;
+    std::vector<double> shown_mm;
+  };
+  const auto tried = [&](const TestPiece& p) {
+    const Bench bench(p, context, options);
+    Candidate candidate{p, {}};
+    for (const LocationError& error : errors) candidate.shown_mm.push_back(largest_lsc_mm(bench.of(error)));
+    return candidate;
+  };
+  std::vector<Candidate> candidates = {tried(piece)};
+  for (const double half_angle : {10.0, 15.0, 30.0, 45.0})
+    for (const double tilt : {5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 70.0})
+      for (const double raised : {0.0, 50.0, 100.0}) {
+        TestPiece other = piece;
+        other.cone.half_angle = Angle::degrees(half_angle);
+        other.cone.tilt = Angle::degrees(tilt);
+        other.cone.base_center_w_mm.z() += raised;
+        // The flank must reach its top, and the machine its steepest ruling; close to half angle = tilt C runs wild.
+        if (radius_at(other.cone, other.cone.height) <= Length::millimetres(1) ||
+            Angle::degrees(half_angle + tilt) > steepest || std::abs(half_angle - tilt) < 3)
+          continue;
+        candidates.push_back(tried(other));
+      }
+  BetterPiece result;
+  std::vector<std::size_t> visible;
+  for (std::size_t e = 0; e < errors.size(); ++e) {
+    const bool ever = std::ranges::any_of(
+        candidates, [&](const Candidate& c) { return c.shown_mm[e] >= options.visible.in_millimetres(); });
+    if (ever)
+      visible.push_back(e);
+    else
+      result.never.push_back(errors[e].symbol);
+  }
+  const auto least = [&](const Candidate& c) {
+    double least_mm = std::numeric_limits<double>::infinity();
+    for (const std::size_t e : visible) least_mm = std::min(least_mm, c.shown_mm[e]);
+    return visible.empty() ? 0 : least_mm;
+  };
+  const Candidate& best = *std::ranges::max_element(candidates, {}, least);
+  result.piece = best.piece;
+  result.least_seen_mm = least(best);
+  result.least_seen_here_mm = least(candidates.front());
+  return result;
+}
+
+}  // namespace trunnion
