@@ -23,9 +23,7 @@ ErrorGrid drawn(std::uint64_t seed, const std::vector<Angle>& a, const std::vect
   return with_coefficients(grid, values);
 }
 
-std::vector<Interpolation> all_methods() {
-  return {Interpolation::trig_cubic, Interpolation::bilinear};
-}
+std::vector<Interpolation> all_methods() { return {Interpolation::trig_cubic, Interpolation::bilinear}; }
 
 TEST(ErrorSurface, TrigonometricTimesCubicReproducesABandLimitedFieldCubicInTheTilt) {
   for (const auto& [a, c] : {std::pair(kA, kC), std::pair(kUnevenA, kUnevenC),
