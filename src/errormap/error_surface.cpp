@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "error.h"
+#include "errormap/natural_neighbour.h"
 #include "errormap/tensor_surface.h"
 
 namespace trunnion {
@@ -23,6 +24,40 @@ void check_grid(const ErrorGrid& grid) {
   if (grid.tilt.size() != grid.a_stations.size() || grid.turn.size() != grid.a_stations.size() * grid.c_stations.size())
     throw ModelError("error map: the number of errors does not match the stations");
 }
+
+/// Natural neighbours for C's six; the tilting axis' six, which depend on one angle, piecewise cubic.
+class NaturalSurface : public ErrorSurface {
+ public:
+  explicit NaturalSurface(const ErrorGrid& grid)
+      : grid_(grid),
+        coefficients_(grid.coefficients()),
+        weights_(grid.a_stations, grid.c_stations),
+        tilt_weights_(cubic_weights(grid.a_stations)) {}
+
+  RotaryErrors at(IndexedPosition position) const override {
+    const Eigen::Matrix<double, 12, 1> e = jacobian(position) * coefficients_;
+    return {PoseError::from_vector(e.head<6>()), PoseError::from_vector(e.tail<6>())};
+  }
+  Eigen::Matrix<double, 12, Eigen::Dynamic> jacobian(IndexedPosition position) const override {
+    check(position.a);
+    const Eigen::VectorXd tilt = tilt_weights_(position.a.in_radians());
+    const Eigen::VectorXd turn = weights_.weights(position.a, position.c);
+    Eigen::Matrix<double, 12, Eigen::Dynamic> b =
+        Eigen::Matrix<double, 12, Eigen::Dynamic>::Zero(12, coefficient_count());
+    for (Eigen::Index i = 0; i < tilt.size(); ++i) b.block<6, 6>(0, 6 * i).diagonal().setConstant(tilt[i]);
+    for (Eigen::Index k = 0; k < turn.size(); ++k)
+      b.block<6, 6>(6, 6 * (tilt.size() + k)).diagonal().setConstant(turn[k]);
+    return b;
+  }
+  Eigen::Index coefficient_count() const override { return coefficients_.size(); }
+  Range<Angle> a_range() const override { return {grid_.a_stations.front(), grid_.a_stations.back()}; }
+
+ private:
+  ErrorGrid grid_;
+  Eigen::VectorXd coefficients_;
+  NaturalNeighbour weights_;
+  StationWeights tilt_weights_;
+};
 
 }  // namespace
 
@@ -70,9 +105,9 @@ std::unique_ptr<ErrorSurface> make_surface(Interpolation method, const ErrorGrid
       return std::make_unique<TensorSurface>(grid, linear_weights(grid.a_stations),
                                              periodic_linear_weights(grid.c_stations));
     case Interpolation::natural_neighbour:
-      break;
+      return std::make_unique<NaturalSurface>(grid);
   }
-  throw ModelError("interpolation natural-neighbour is not available here");
+  throw ModelError("error map: an unknown interpolation");
 }
 
 }  // namespace trunnion

@@ -45,7 +45,8 @@ std::optional<Interpolation> interpolation_from_name(std::string_view name);
 /// for
 ///   even n, times a cubic spline in A: not-a-knot, natural for three stations, a line for two, a constant for one.
 /// - bilinear: as controllers do, between neighbouring stations, periodic in C.
-/// - natural_neighbour: Sibson's C1 interpolant (CGAL), local and without overshoot.
+/// - natural_neighbour: Sibson's C1 interpolant (CGAL) for C's six, local; the tilting axis' six as for trig_cubic.
+/// Beyond the end stations, within kMargin, C's six stay what they are there.
 std::unique_ptr<ErrorSurface> make_surface(Interpolation method, const ErrorGrid& grid);
 
 }  // namespace trunnion

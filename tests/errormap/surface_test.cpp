@@ -23,7 +23,9 @@ ErrorGrid drawn(std::uint64_t seed, const std::vector<Angle>& a, const std::vect
   return with_coefficients(grid, values);
 }
 
-std::vector<Interpolation> all_methods() { return {Interpolation::trig_cubic, Interpolation::bilinear}; }
+std::vector<Interpolation> all_methods() {
+  return {Interpolation::trig_cubic, Interpolation::bilinear, Interpolation::natural_neighbour};
+}
 
 TEST(ErrorSurface, TrigonometricTimesCubicReproducesABandLimitedFieldCubicInTheTilt) {
   for (const auto& [a, c] : {std::pair(kA, kC), std::pair(kUnevenA, kUnevenC),
@@ -109,7 +111,7 @@ TEST(ErrorSurface, CrossesTheSeamOfCWithoutAStep) {
 }
 
 TEST(ErrorSurface, CrossesTheSeamAndEveryStationOfCWithoutAKink) {
-  for (const Interpolation method : {Interpolation::trig_cubic}) {
+  for (const Interpolation method : {Interpolation::trig_cubic, Interpolation::natural_neighbour}) {
     const auto surface = make_surface(method, drawn(5, kA, kC));
     for (double a = -85; a < 0; a += 7.5)
       for (const double c : {0., 30., 60., 180., 300., 359.}) {
