@@ -1,0 +1,43 @@
+#pragma once
+
+#include "compensation/controller.h"
+#include "compensation/piecewise_linear.h"
+
+namespace trunnion {
+
+/// How much a pose error of the table matters over the working volume: the mean square of the deviation it makes, plus
+/// the tilt of the tool seen 20 mm along its axis, as a quadratic form of its twist t = (D, theta) at R's origin,
+///   t^T W t = E |D + theta x p|^2 + (20 mm)^2 |theta across the tool|^2.
+/// p spread evenly over the volume: with its centre m and variances v,
+///   E |D + theta x p|^2 = |D + theta x m|^2 + sum_k v_k |theta x e_k|^2.
+Matrix6d volume_metric(const WorkingVolume& volume);
+
+/// The effects of the machine that do not ask where the linear axes stand, at a tip in the middle of the volume.
+PoseError rotary_part(const CompensationTask& task, IndexedPosition at, int tilt_sense = 1, int turn_sense = 1);
+
+/// What the effects that depend on one linear axis add at its coordinate: a twist of the table at R's origin, and a
+/// deviation of the tip alone.
+struct LinearPart {
+  char axis = 'X';
+  std::vector<double> stations_mm;
+  std::vector<Vector6d> table;       ///< twist at R's origin
+  std::vector<Eigen::Vector3d> tip;  ///< deviation that does not come from a twist of the table, mm
+};
+/// One for each linear axis that matters, sampled every `step_mm` over its stroke in the working volume widened to
+/// what the machine file gives. An effect of two or more linear axes is taken along each from the volume's middle.
+std::vector<LinearPart> linear_parts(const CompensationTask& task, double step_mm);
+
+/// How far a rotary joint that last moved negatively stands from where it stands after a positive motion, in its own
+/// sense, averaged over the volume: what the model's reversal effects come to on that joint alone.
+double reversal_rad(const CompensationTask& task, char axis);
+
+/// Corrections of A and C by functions of their own position alone, nearest to the model in the volume's metric:
+/// f(A) and g(C), add to command, at the given positions.
+struct OwnAxisFit {
+  std::vector<double> tilt_rad;
+  std::vector<double> turn_rad;
+};
+OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
+                        const std::vector<double>& turn_at_deg);
+
+}  // namespace trunnion

@@ -1,0 +1,297 @@
+#include "compensation/verification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "compensation/number_text.h"
+#include "error.h"
+
+namespace trunnion {
+namespace {
+
+constexpr std::size_t kVerified = 3000;
+constexpr std::size_t kFirstVerified = 100000;  // of Halton's sequence: poses that no projection has used
+constexpr std::size_t kTried = 600;             // while a spacing is looked for
+constexpr double kSpacingShare = 0.05;
+
+class Nothing : public PlayedCompensation {
+ public:
+  AxisCorrection at(const Situation&) const override { return {}; }
+};
+
+class Ideal : public PlayedCompensation {
+ public:
+  explicit Ideal(const CompensationTask& task) : task_(task) {}
+  AxisCorrection at(const Situation& s) const override {
+    return ideal_correction(task_.model, task_.chain, task_.machine.limits, s);
+  }
+
+ private:
+  const CompensationTask& task_;
+};
+
+double lost(double with_mm, double without_mm) {
+  return std::sqrt(std::max(0.0, with_mm * with_mm - without_mm * without_mm));
+}
+
+std::string draft_name(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  const std::size_t dot = name.find('.', slash == std::string::npos ? 0 : slash);
+  return dot == std::string::npos ? name + ".DRAFT" : name.substr(0, dot) + ".DRAFT" + name.substr(dot);
+}
+
+std::string final_name(std::string name) {
+  const std::size_t at = name.find(".DRAFT");
+  if (at != std::string::npos) name.erase(at, 6);
+  return name;
+}
+
+nlohmann::ordered_json volume_json(const WorkingVolume& v, char tilt) {
+  const auto pair = [](double low, double high) { return nlohmann::ordered_json::array({low, high}); };
+  const auto degrees = [&](Range<Angle> r) {
+    return pair(rounded(r.low.in_degrees(), 9), rounded(r.high.in_degrees(), 9));
+  };
+  const auto mm = [&](Range<Length> r) { return pair(r.low.in_millimetres(), r.high.in_millimetres()); };
+  return {{std::string(1, tilt) + "_deg", degrees(v.a)},
+          {"C_deg", degrees(v.c)},
+          {"X_mm", mm(v.x)},
+          {"Y_mm", mm(v.y)},
+          {"Z_mm", mm(v.z)},
+          {"tool_length_mm", v.tool_length.in_millimetres()}};
+}
+
+/// Limits of the machine file: the deviation and the tilt that the tables correct, and how far C goes for the latter.
+void refuse_beyond_limits(const CompensationTask& task, const std::vector<Situation>& sample,
+                          const PlayedCompensation& played) {
+  const CorrectionLimits& limits = task.machine.limits;
+  const auto check = [&](const Situation& s, const char* what, double found, double limit, const char* unit,
+                         const char* key) {
+    if (found <= limit) return;
+    char text[256];
+    std::snprintf(text, sizeof text, "%s at %c %.3f C %.3f deg is %.4g %s, limits.%s allows %.4g", what,
+                  task.machine.tilt_letter(), s.at.a.in_degrees(), s.at.c.in_degrees(), found, unit, key, limit);
+    throw RangeError(text);
+  };
+  const Model perfect;
+  for (const Situation& s : sample) {
+    const AxisCorrection c = played.at(s);
+    // What the rotary axes move along with them is no deviation of the machine's.
+    const double deviation = remaining(perfect, task.chain, s, c).position_mm.norm();
+    check(s, "the deviation that the tables correct", deviation * 1e3, limits.deviation.in_micrometres(), "um",
+          "correction_um");
+    check(s, "the tables' turn of the tilting axis", std::abs(c.tilt_rad) * 1e6, limits.tilt.in_microradians(), "urad",
+          "correction_urad");
+    check(s, "the tables' turn of C", Angle::radians(std::abs(c.turn_rad)).in_degrees(),
+          (limits.rotary_word + limits.tilt).in_degrees(), "deg", "correction_C_deg (and correction_urad)");
+  }
+}
+
+std::string loading_text(const Controller& controller, const CompensationTask& task, const Verification& verification,
+                         const std::vector<TableFile>& files) {
+  std::string text =
+      "# Loading this compensation: " + std::string(controller.title) + "\n\nMade for " + provenance(task) + ".\n";
+  if (!verification.load_ready()) {
+    text +=
+        "\n**NOT LOAD-READY.** These files are drafts: no public document settles what follows, and a wrong sign "
+        "doubles\n"
+        "the error. Do the commissioning test, write the answer into the machine file's [profile], make the tables "
+        "again.\n";
+    for (const ProfileItem& item : task.profile.unconfirmed())
+      text += "\n- `" + item.key + "`: " + item.question + " Assumed: \"" + task.profile.answer(item.key) +
+              "\".\n  Test: " + item.test + "\n";
+  }
+  text += "\n## What it does\n\n```\n" + verification_text(verification, task.machine) + "```\n";
+  if (!controller.cannot_hold.empty())
+    text += "\nWhat this control cannot hold: " + std::string(controller.cannot_hold) + "\n";
+  return text + "\n" + controller.loading(task, files);
+}
+
+std::string commissioning_text(const CompensationTask& task, const std::vector<TableFile>& files) {
+  std::string text = "# Commissioning tests\n\nFor " + provenance(task) +
+                     ". One at a time, each with every other compensation switched off.\n";
+  for (const ProfileItem& item : task.profile.unconfirmed()) {
+    text += "\n## " + item.key + "\n\n" + item.question + "\n\n" + item.test +
+            "\n\nEnter the answer in the machine file:\n\n```toml\n[profile]\n";
+    for (const std::string& answer : item.answers) text += "# " + item.key + " = \"" + answer + " confirmed\"\n";
+    text += "```\n";
+  }
+  if (!files.empty()) {
+    text += "\nSmall tables for these tests, one peak of 20 um or 0.005 deg each:\n\n";
+    for (const TableFile& file : files) text += "- `" + file.name + "`\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+Spread spread(const Model& model, const KinematicChain& chain, const std::vector<Situation>& sample,
+              const PlayedCompensation& played) {
+  Spread total;
+  for (const Situation& s : sample) {
+    const Remaining left = remaining(model, chain, s, played.at(s));
+    total.position_rms_mm += left.position_mm.squaredNorm();
+    total.position_max_mm = std::max(total.position_max_mm, left.position_mm.norm());
+    total.orientation_rms_rad += left.tilt_rad * left.tilt_rad;
+  }
+  const auto n = static_cast<double>(std::max<std::size_t>(1, sample.size()));
+  total.position_rms_mm = std::sqrt(total.position_rms_mm / n);
+  total.orientation_rms_rad = std::sqrt(total.orientation_rms_rad / n);
+  return total;
+}
+
+std::string verification_json(const Verification& v, const Machine& machine) {
+  using nlohmann::ordered_json;
+  const auto um = [](double mm) { return rounded(mm * 1e3, 6); };
+  const auto urad = [](double rad) { return rounded(rad * 1e6, 6); };
+  ordered_json j;
+  j["controller"] = v.controller;
+  j["load_ready"] = v.load_ready();
+  j["unconfirmed"] = v.unconfirmed;
+  j["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
+  j["work_volume"] = volume_json(v.volume, machine.tilt_letter());
+  j["poses"] = v.poses;
+  j["position_rms_um"] = {{"before", um(v.before.position_rms_mm)},
+                          {"ideal", um(v.ideal.position_rms_mm)},
+                          {"tables", um(v.tables.position_rms_mm)}};
+  j["position_max_um"] = {{"before", um(v.before.position_max_mm)},
+                          {"ideal", um(v.ideal.position_max_mm)},
+                          {"tables", um(v.tables.position_max_mm)}};
+  j["orientation_rms_urad"] = {{"before", urad(v.before.orientation_rms_rad)},
+                               {"ideal", urad(v.ideal.orientation_rms_rad)},
+                               {"tables", urad(v.tables.orientation_rms_rad)}};
+  j["lost_to"] = {{"format", um(v.lost_to_format_mm)},
+                  {"spacing", um(v.lost_to_spacing_mm)},
+                  {"quantisation", um(v.lost_to_quantisation_mm)}};
+  j["spacing_deg"] = rounded(v.spacing.in_degrees(), 9);
+  j["worst_pose"] = {{std::string(1, machine.tilt_letter()) + "_deg", rounded(v.worst.at.a.in_degrees(), 6)},
+                     {"C_deg", rounded(v.worst.at.c.in_degrees(), 6)},
+                     {"x_mm", rounded(v.worst.point_r_mm.x(), 6)},
+                     {"y_mm", rounded(v.worst.point_r_mm.y(), 6)},
+                     {"z_mm", rounded(v.worst.point_r_mm.z(), 6)}};
+  j["files"] = v.files;
+  return j.dump(2) + "\n";
+}
+
+std::string verification_text(const Verification& v, const Machine& machine) {
+  char text[1600];
+  const auto row = [](const char* name, const Spread& s) {
+    char line[128];
+    std::snprintf(line, sizeof line, "%-28s %9.3f um rms %9.3f um max %9.2f urad rms\n", name, s.position_rms_mm * 1e3,
+                  s.position_max_mm * 1e3, s.orientation_rms_rad * 1e6);
+    return std::string(line);
+  };
+  std::snprintf(text, sizeof text,
+                "%s%s%slost to the format %.3f um, to the distance of nodes (%.4g deg) %.3f um, to rounding %.3f um\n"
+                "worst pose: %c %.3f C %.3f deg, x %.1f y %.1f z %.1f mm; %zu poses\n",
+                row("nothing compensated", v.before).c_str(), row("five axes, ideally", v.ideal).c_str(),
+                row("these tables, as played", v.tables).c_str(), v.lost_to_format_mm * 1e3, v.spacing.in_degrees(),
+                v.lost_to_spacing_mm * 1e3, v.lost_to_quantisation_mm * 1e3, machine.tilt_letter(),
+                v.worst.at.a.in_degrees(), v.worst.at.c.in_degrees(), v.worst.point_r_mm.x(), v.worst.point_r_mm.y(),
+                v.worst.point_r_mm.z(), v.poses);
+  return text;
+}
+
+TableSet make_tables(const Controller& controller, const Machine& machine, const Model& model,
+                     const TableOptions& options) {
+  const CompensationTask task(machine, model, options, controller.questions);
+  const auto rms_of = [&](const std::vector<Situation>& sample, Angle spacing, Emission emission) {
+    return spread(model, task.chain, sample, *controller.play(controller.emit(task, spacing, emission), task))
+        .position_rms_mm;
+  };
+
+  // The spacing: tried on fewer poses, coarse to fine, against nodes four times as dense as the finest worth having.
+  const std::vector<Situation> few = pose_sample(task.volume, model, kTried, kFirstVerified + kVerified);
+  Angle spacing = controller.spacings.back();
+  const bool chosen = options.tilt_spacing > Angle() && options.turn_spacing > Angle();
+  if (chosen) spacing = std::min(options.tilt_spacing, options.turn_spacing);
+  if (!chosen && controller.spacings.size() > 1) {
+    const double dense = rms_of(few, controller.spacings.back(), {1, false});
+    for (const Angle candidate : controller.spacings) {
+      spacing = candidate;
+      if (lost(rms_of(few, candidate, {1, false}), dense) <=
+          std::max(controller.spacing_loss.in_millimetres(), kSpacingShare * dense))
+        break;
+    }
+  }
+
+  std::vector<TableFile> files = controller.emit(task, spacing, {});
+  const auto played = controller.play(files, task);
+  const std::vector<Situation> sample = pose_sample(task.volume, model, kVerified, kFirstVerified);
+  refuse_beyond_limits(task, sample, *played);
+
+  Verification v;
+  v.controller = controller.name;
+  for (const ProfileItem& item : task.profile.unconfirmed()) v.unconfirmed.push_back(item.key);
+  v.volume = task.volume;
+  v.poses = sample.size();
+  v.spacing = spacing;
+  v.before = spread(model, task.chain, sample, Nothing());
+  v.ideal = spread(model, task.chain, sample, Ideal(task));
+  v.tables = spread(model, task.chain, sample, *played);
+  const double exact = rms_of(sample, spacing, {1, false});
+  v.lost_to_format_mm = controller.spacings.size() > 1 ? std::min(exact, rms_of(sample, spacing, {4, false})) : exact;
+  v.lost_to_spacing_mm = lost(exact, v.lost_to_format_mm);
+  v.lost_to_quantisation_mm = lost(v.tables.position_rms_mm, exact);
+  double worst = -1;
+  for (const Situation& s : sample) {
+    const double left = remaining(model, task.chain, s, played->at(s)).position_mm.norm();
+    if (left > worst) worst = left, v.worst = s;
+  }
+  if (!(v.tables.position_rms_mm <= v.before.position_rms_mm)) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%s: the tables would leave %.3f um rms where %.3f um are without them",
+                  v.controller.c_str(), v.tables.position_rms_mm * 1e3, v.before.position_rms_mm * 1e3);
+    throw RefusalError(text);
+  }
+
+  TableSet set;
+  std::vector<TableFile> commissioning;
+  if (!v.load_ready() && controller.commissioning) commissioning = controller.commissioning(task);
+  for (TableFile& file : files) {
+    if (!v.load_ready()) file.name = draft_name(file.name);
+    v.files.push_back(file.name);
+  }
+  set.files = std::move(files);
+  if (!v.load_ready()) {
+    for (TableFile& file : commissioning) file.name = "commissioning/" + draft_name(file.name);
+    set.files.push_back({"COMMISSIONING.md", commissioning_text(task, commissioning)});
+    for (TableFile& file : commissioning) set.files.push_back(std::move(file));
+  }
+  set.files.push_back({"LOADING.md", loading_text(controller, task, v, set.files)});
+  set.files.push_back({"verification.txt", verification_text(v, machine)});
+  set.files.push_back({"verification.json", verification_json(v, machine)});
+  set.verification = std::move(v);
+  return set;
+}
+
+std::unique_ptr<PlayedCompensation> play_tables(const std::vector<TableFile>& files, const Machine& machine,
+                                                const Model& model) {
+  const auto summary = std::ranges::find(files, "verification.json", &TableFile::name);
+  if (summary == files.end())
+    throw InputError("verification.json", "missing: the folder of a `tables` command is wanted");
+  const auto json = nlohmann::json::parse(summary->text, nullptr, false);
+  if (json.is_discarded() || !json.is_object() || !json.contains("controller") || !json["controller"].is_string())
+    throw InputError("verification.json", "controller: missing, the name of a controller is wanted");
+  const Controller& controller = controller_named(json["controller"].get<std::string>());
+  TableOptions options;
+  if (const auto volume = json.find("work_volume");
+      volume != json.end() && volume->contains("tool_length_mm") && (*volume)["tool_length_mm"].is_number())
+    options.tool_length = Length::millimetres((*volume)["tool_length_mm"].get<double>());
+  // Kept for as long as the played tables: they may ask the machine's chain and profile.
+  struct Kept : PlayedCompensation {
+    CompensationTask task;
+    std::unique_ptr<PlayedCompensation> played;
+    explicit Kept(CompensationTask t) : task(std::move(t)) {}
+    AxisCorrection at(const Situation& s) const override { return played->at(s); }
+  };
+  auto kept = std::make_unique<Kept>(CompensationTask(machine, model, options, controller.questions));
+  std::vector<TableFile> tables;
+  for (const TableFile& file : files)
+    if (!file.name.starts_with("commissioning/")) tables.push_back({final_name(file.name), file.text});
+  kept->played = controller.play(tables, kept->task);
+  return kept;
+}
+
+}  // namespace trunnion
