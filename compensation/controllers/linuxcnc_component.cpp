@@ -27,9 +27,9 @@ option singleton yes;
 option extra_setup yes;
 pin out bit loaded = 1 "true once the component is there";
 ;;
-#include "hal.h"
-#include "kinematics.h"
-#include "rtapi_math.h"
+#include <hal.h>
+#include <kinematics.h>
+#include <rtapi_math.h>
 
 )comp";
 
