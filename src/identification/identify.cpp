@@ -356,7 +356,7 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
   }
   const bool unseen = fit && !fit->unseen.empty();
   if (result.chosen_interpolation == "gaussian-process") {
-    if (!unseen || options.fill) set_smooth(content, result.smooth);
+    set_smooth(content, result.smooth);
   } else if (const auto method = interpolation_from_name(result.chosen_interpolation)) {
     content.interpolation = *method;
     set_interpolation_sigma(content, problem, result.smooth, grid);
@@ -365,6 +365,7 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
     throw UsageError("--interpolation: \"" + result.chosen_interpolation +
                      "\" found, one of gaussian-process, trig-cubic, bilinear, natural-neighbour is wanted");
   }
+  content.filled = unseen && options.fill;
   result.errors = summarise(content, machine.tilt_letter());
   result.model.effects.push_back(std::make_shared<RotaryErrorMap>(std::move(content), context));
   return result;

@@ -152,8 +152,13 @@ TEST(Identification, NamesAFreedomThatAPoseDoesNotSee) {
   ASSERT_NE(map, nullptr);
   EXPECT_FALSE(map->unseen_freedoms().empty());
   Situation s;
-  s.at = {Angle::degrees(-45), Angle::degrees(10)};
+  s.at = {Angle::degrees(-40), Angle::degrees(80)};  // that pose is the nearest
   EXPECT_THROW(map->at(s), RangeError);
+  Situation elsewhere;
+  elsewhere.at = {Angle::degrees(-80), Angle::degrees(200)};
+  EXPECT_NO_THROW(map->at(elsewhere));
+  const IdentificationResult by_nodes = identify(set, plain_machine(), {.interpolation = "trig-cubic"});
+  EXPECT_THROW(by_nodes.model.rotary_map()->at(elsewhere), RangeError);  // every node takes part everywhere
   const IdentificationResult filled = identify(set, plain_machine(), {.fill = true});
   EXPECT_NO_THROW(filled.model.rotary_map()->at(s));
 }

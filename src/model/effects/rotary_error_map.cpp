@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "error.h"
@@ -184,23 +185,43 @@ std::vector<std::string> RotaryErrorMap::unseen_freedoms() const {
   return names;
 }
 
-void RotaryErrorMap::refuse_unseen() const {
-  if (content_.smooth_basis || content_.unseen.empty()) return;
+bool RotaryErrorMap::touches_unseen(IndexedPosition position) const {
+  if (!content_.smooth_basis) return true;
+  const ErrorGrid& grid = content_.grid;
+  const auto nearest = [](const std::vector<Angle>& stations, Angle at, bool periodic) {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < stations.size(); ++k) {
+      double gap = (at - stations[k]).in_radians();
+      if (periodic) gap = std::remainder(gap, kFullTurn.in_radians());
+      if (std::abs(gap) < least) least = std::abs(gap), best = k;
+    }
+    return best;
+  };
+  const std::size_t i = nearest(grid.a_stations, position.a, false), j = nearest(grid.c_stations, position.c, true);
+  for (std::size_t k = 0; k < 6; ++k)
+    if (content_.unseen[grid.tilt_offset(i) + k] || content_.unseen[grid.turn_offset(i, j) + k]) return true;
+  return false;
+}
+
+void RotaryErrorMap::refuse_unseen(IndexedPosition position) const {
+  if (content_.filled || content_.unseen.empty()) return;
   const auto unseen = std::count(content_.unseen.begin(), content_.unseen.end(), true);
-  if (unseen == 0) return;
-  throw RangeError("the map holds " + std::to_string(unseen) + " errors that no measurement determined (" +
-                   unseen_freedoms().front() + (unseen > 1 ? ", …" : "") +
-                   "); measure those poses again, or let identify fill them by its smooth fit (--fill)");
+  if (unseen == 0 || !touches_unseen(position)) return;
+  throw RangeError(
+      "the map holds " + std::to_string(unseen) + " errors that no measurement determined (" +
+      unseen_freedoms().front() + (unseen > 1 ? ", …" : "") +
+      "), and they are needed here; measure those poses again, or let identify fill them by its smooth fit (--fill)");
 }
 
 Matrix6Xd RotaryErrorMap::basis(const Situation& s) const {
-  refuse_unseen();
+  refuse_unseen(s.at);
   const RelativeErrorJacobian j = relative_error_jacobian(*context_.chain, s.at, tool_place(s));
   return j.here * surface_->jacobian(s.at) + j.reference * reference_jacobian_;
 }
 
 PoseError RotaryErrorMap::at(const Situation& s) const {
-  refuse_unseen();
+  refuse_unseen(s.at);
   return relative_pose_error(*context_.chain, s.at, surface_->at(s.at), reference_, tool_place(s));
 }
 
@@ -247,6 +268,7 @@ json RotaryErrorMap::to_json() const {
                         {"sigma_urad", to_unit(content_.interpolation_sigma_rad, Unit::urad)}};
   if (content_.smooth_basis) {
     const HarmonicBasis& basis = *content_.smooth_basis;
+    if (content_.filled) interpolation["filled"] = true;
     interpolation["tilt_degree"] = basis.tilt_degree;
     interpolation["harmonics"] = basis.harmonics;
     interpolation["turn_degree"] = basis.turn_degree;
@@ -318,6 +340,7 @@ std::shared_ptr<RotaryErrorMap> RotaryErrorMap::read(const json& j, const Effect
             from_unit(number(list[static_cast<std::size_t>(k)], where + ".coefficients"), coefficient_unit(k));
       if (entry.contains("covariance"))
         content.smooth_covariance = unpacked(entry["covariance"], basis.coefficient_count(), where + ".covariance");
+      content.filled = entry.contains("filled") && entry["filled"] == true;
       content.smooth_basis = basis;
       content.smooth_method = name;
     } else if (const auto found = interpolation_from_name(name)) {

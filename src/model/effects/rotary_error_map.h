@@ -20,6 +20,7 @@ struct RotaryMapContent {
   Interpolation interpolation = Interpolation::trig_cubic;  ///< between the nodes, where there is no smooth surface
   std::optional<HarmonicBasis> smooth_basis;                ///< a smooth surface fitted to all readings, if set
   std::string smooth_method;                                ///< "structured" or "gaussian-process"
+  bool filled = false;  ///< whether the smooth surface may stand in where a freedom was not seen
   Eigen::VectorXd smooth_coefficients;
   Eigen::MatrixXd smooth_covariance;  ///< empty if not known
   /// What the interpolation itself may be wrong by between the nodes: standard deviations of D (mm) and theta (rad).
@@ -40,7 +41,8 @@ class RotaryErrorMap : public Effect {
   Origin origin() const override { return Origin::machine; }
   bool moves_table() const override;
   std::vector<std::string> depends_on() const override;
-  /// Throws RangeError outside the probed tilt, or where a freedom that nothing determined would be needed.
+  /// Throws RangeError outside the probed tilt, or where a freedom that nothing determined would be needed: with a
+  /// smooth surface, nearer to such a pose than to any other node; between nodes alone, anywhere.
   Matrix6Xd basis(const Situation& situation) const override;
   PoseError at(const Situation& situation) const override;
   Matrix6d covariance_at(const Situation& situation) const override;
@@ -58,7 +60,8 @@ class RotaryErrorMap : public Effect {
   std::shared_ptr<Effect> clone() const override { return std::make_shared<RotaryErrorMap>(*this); }
 
  private:
-  void refuse_unseen() const;
+  void refuse_unseen(IndexedPosition position) const;
+  bool touches_unseen(IndexedPosition position) const;
 
   RotaryMapContent content_;
   EffectContext context_;

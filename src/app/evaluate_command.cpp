@@ -1,0 +1,185 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/command.h"
+#include "app/text_table.h"
+#include "error.h"
+#include "io/csv.h"
+#include "io/machine_file.h"
+#include "io/model_file.h"
+#include "io/output_file.h"
+#include "io/text_file.h"
+#include "model/effects/rotary_error_map.h"
+#include "units/nearest_name.h"
+
+namespace trunnion {
+namespace {
+
+struct Options {
+  std::string machine, model, positions, output, extrapolate;
+};
+
+/// The columns of the positions file that say where and in what state.
+class PositionReader {
+ public:
+  PositionReader(std::string_view text, const std::string& name, const Machine& machine, const Model& model)
+      : csv_(text, name), tilt_(1, machine.tilt_letter()) {
+    const auto wanted = [&](const std::string& column) {
+      const auto found = csv_.find(column);
+      if (!found)
+        throw InputError(name, csv_.line(),
+                         "header: column " + column + " is missing; the nearest there is \"" +
+                             nearest_name(column, csv_.header()) + "\"");
+      return *found;
+    };
+    a_ = wanted(tilt_ + "_deg");
+    c_ = wanted("C_deg");
+    x_ = wanted("x_mm");
+    y_ = wanted("y_mm");
+    z_ = wanted("z_mm");
+    for (const std::string& column : needed_covariates(model)) {
+      if (const auto found = csv_.find(column))
+        covariates_.emplace_back(column, *found);
+      else
+        missing_.push_back(column);
+    }
+    for (const auto& [column, index] : covariates_) extra_names_.push_back(column), (void)index;
+    extra_values_.resize(extra_names_.size());
+  }
+
+  bool next(Situation& s) {
+    if (!csv_.next(fields_)) return false;
+    const auto number = [&](std::size_t column) { return csv_.number(fields_[column], column); };
+    s = Situation{};
+    s.at = {Angle::degrees(number(a_)), Angle::degrees(number(c_))};
+    s.point_r_mm = {number(x_), number(y_), number(z_)};
+    for (std::size_t k = 0; k < covariates_.size(); ++k) {
+      const auto& [column, index] = covariates_[k];
+      const double value = number(index);
+      extra_values_[k] = value;
+      if (column == "time_s") s.time_s = value;
+      if (column == "temperature_C") s.temperature_C = value;
+      if (column == tilt_ + "_dir" || column == "C_dir") {
+        if (value != 1 && value != -1)
+          throw InputError(csv_.name(), csv_.line(),
+                           column + ": " + std::string(fields_[index]) + " found, +1 or -1 is wanted");
+        (column == "C_dir" ? s.turn_sense : s.tilt_sense) = static_cast<int>(value);
+      }
+    }
+    s.extra = {&extra_names_, extra_values_.data()};
+    return true;
+  }
+
+  const CsvReader& csv() const { return csv_; }
+  const std::vector<std::string>& missing() const { return missing_; }
+  std::string tilt_text() const { return std::string(fields_[a_]); }
+
+ private:
+  CsvReader csv_;
+  std::string tilt_;
+  std::size_t a_ = 0, c_ = 0, x_ = 0, y_ = 0, z_ = 0;
+  std::vector<std::pair<std::string, std::size_t>> covariates_;
+  std::vector<std::string> missing_, extra_names_;
+  std::vector<double> extra_values_;
+  std::vector<std::string_view> fields_;
+};
+
+int run(const Options& o, const Talk& talk) {
+  const Machine machine = read_machine(o.machine);
+  const Model model = read_model(o.model, machine);
+  const std::string text = read_text(o.positions);
+  PositionReader positions(text, o.positions, machine, model);
+  const RotaryErrorMap* map = model.rotary_map();
+  const bool hold = o.extrapolate == "hold", uncertain = model.has_uncertainty();
+  OutputFile output(o.output, {o.machine, o.model, o.positions});
+  std::string line;
+  for (const std::string& column : positions.csv().header()) line += column + ",";
+  line += "dx_um,dy_um,dz_um,Dx_um,Dy_um,Dz_um,Da_urad,Db_urad,Dc_urad";
+  if (uncertain) line += ",sdx_um,sdy_um,sdz_um,sd_um";
+  if (hold) line += ",extrapolated";
+  output.append(line + "\n");
+  for (const std::string& column : positions.missing())
+    talk.warn(o.positions + ": no column " + column + ", which the model needs: its effects stand at their zero");
+
+  Situation s;
+  std::size_t rows = 0, held = 0;
+  double largest = 0;
+  while (positions.next(s)) {
+    bool extrapolated = false;
+    if (map != nullptr && !map->surface().covers(s.at.a)) {
+      const Range<Angle> range = map->surface().a_range();
+      if (!hold)
+        throw RangeError(o.positions + ":" + std::to_string(positions.csv().line()) + ": " + machine.tilt_letter() +
+                         "_deg: " + positions.tilt_text() + " found, the map was measured from " +
+                         formatted("%.6g", range.low.in_degrees()) + " to " +
+                         formatted("%.6g", range.high.in_degrees()) + "; --extrapolate hold takes the end");
+      s.at.a = std::clamp(s.at.a, range.low, range.high);
+      extrapolated = true;
+      ++held;
+    }
+    const PoseError table = table_error(model, s);
+    const Eigen::Vector3d d = deviation_mm(model, s);
+    largest = std::max(largest, d.norm());
+    line.assign(positions.csv().row_text());
+    const auto append = [&](double value) {
+      line += ',';
+      append_number(line, value);
+    };
+    for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * d[k]);
+    for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * table.translation_mm[k]);
+    for (Eigen::Index k = 0; k < 3; ++k) append(1e6 * table.rotation_rad[k]);
+    if (uncertain) {
+      const Eigen::Vector3d variance = deviation_covariance_mm2(model, s).diagonal().cwiseMax(0);
+      for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * std::sqrt(variance[k]));
+      append(1e3 * std::sqrt(variance.sum()));
+    }
+    if (hold) line += extrapolated ? ",1" : ",0";
+    output.append(line + "\n");
+    ++rows;
+  }
+  output.commit();
+  if (held > 0)
+    talk.warn(std::to_string(held) +
+              " rows lie outside the probed tilt; the map's end was held for them (column extrapolated)");
+  if (talk.json) {
+    const nlohmann::json summary = {{"rows", rows},
+                                    {"extrapolated", held},
+                                    {"largest_deviation_um", 1e3 * largest},
+                                    {"at_zero_for_want_of", positions.missing()},
+                                    {"uncertainty", uncertain}};
+    std::printf("%s\n", summary.dump(1).c_str());
+  }
+  talk.show(std::to_string(rows) + " positions, largest deviation " + formatted("%.3f um\n", 1e3 * largest));
+  talk.say("wrote " + o.output);
+  return 0;
+}
+
+}  // namespace
+
+Command evaluate_command(CLI::App& program, const Talk& talk) {
+  auto o = std::make_shared<Options>();
+  CLI::App* app = program.add_subcommand("evaluate", "The deviation and the table's pose error at given positions");
+  app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
+  app->add_option("--model", o->model, "Model (JSON)")->required()->type_name("model.json")->group("Input");
+  app->add_option("--at", o->positions, "Positions: A_deg, C_deg, x_mm, y_mm, z_mm and covariates (CSV)")
+      ->required()
+      ->type_name("P.csv")
+      ->group("Input");
+  app->add_option("-o,--output", o->output, "Positions with deviations to write (CSV)")
+      ->required()
+      ->type_name("D.csv")
+      ->group("Output");
+  app->add_option("--extrapolate", o->extrapolate, "hold: outside the probed tilt take the end's value, flagged")
+      ->check(CLI::IsMember({"hold"}))
+      ->group("Evaluation");
+  app->footer(
+      "Example:\n  trunnion evaluate --machine machine.toml --model model.json --at positions.csv -o deviations.csv");
+  return {app, [o, &talk] { return run(*o, talk); }};
+}
+
+}  // namespace trunnion

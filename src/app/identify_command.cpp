@@ -1,0 +1,152 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/command.h"
+#include "app/text_table.h"
+#include "identification/identify.h"
+#include "io/identification_report.h"
+#include "io/machine_file.h"
+#include "io/model_file.h"
+#include "io/observation_file.h"
+#include "io/output_file.h"
+
+namespace trunnion {
+namespace {
+
+struct Options {
+  std::string machine, observations, output, method = "joint", interpolation;
+  bool fill = false, no_robust = false;
+};
+
+std::string position_text(IndexedPosition at, char tilt, bool with_c) {
+  std::string text = std::string(1, tilt) + formatted(" %.6g", at.a.in_degrees());
+  if (with_c) text += formatted(" C %.6g", at.c.in_degrees());
+  return text;
+}
+
+std::string summary(const IdentificationResult& r, const Machine& machine) {
+  const char tilt = machine.tilt_letter();
+  std::string text = "Readings " + std::to_string(r.readings) + ", unknowns " + std::to_string(r.unknowns) + ", rank " +
+                     std::to_string(r.rank) + formatted(", degrees of freedom %.0f", r.freedom) +
+                     formatted(", condition %.1f", r.condition) + "\n";
+  text += formatted("Sigma found %.3f um", r.sigma_found_um) + formatted(", declared %.3f um", r.sigma_declared_um) +
+          formatted("; reduced chi-square %.3f", r.reduced_chi_square) + formatted(" (p %.2g)", r.chi_square_p) +
+          (r.chi_square_p < 1e-3 ? ": more scatter than the probe has, see trunnion close" : ": as declared") + "\n";
+  if (r.uncertainty_scale > 1)
+    text += formatted("Standard uncertainties are enlarged by %.2f accordingly\n", r.uncertainty_scale);
+  text += formatted("Least redundancy of a reading %.3f", r.worst_redundancy) +
+          ", readings that nothing checks: " + std::to_string(r.unchecked.size()) + "\n\n";
+
+  std::vector<std::vector<std::string>> rows = {{"error", "largest", "std", "unit", "at", "p", "told from zero"}};
+  for (const ErrorFinding& e : r.errors) {
+    const bool of_c = e.symbol.back() == 'C';
+    rows.push_back({e.symbol, formatted("%.3f", to_unit(e.largest, e.unit)),
+                    formatted("%.3f", to_unit(e.largest_std, e.unit)), std::string(unit_text(e.unit).text),
+                    position_text(e.largest_at, tilt, of_c), formatted("%.1e", e.p_value),
+                    e.told_from_zero ? "yes" : "no"});
+  }
+  text += text_table(rows);
+  if (!r.location.symbols.empty()) {
+    text += "\nLocation errors in these maps";
+    text +=
+        r.location.p_value > 0.01
+            ? formatted(": nothing else is told from noise (p %.2g)\n", r.location.p_value)
+            : formatted("; they leave chi-square %.0f", r.location.chi_square) +
+                  formatted(" at %.0f degrees of freedom, so the errors move with the angles\n", r.location.freedom);
+    rows.clear();
+    for (std::size_t k = 0; k < r.location.symbols.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      rows.push_back({r.location.symbols[k],
+                      with_uncertainty(to_unit(r.location.values[i], r.location.units[k]),
+                                       to_unit(std::sqrt(r.location.covariance(i, i)), r.location.units[k])),
+                      std::string(unit_text(r.location.units[k]).text)});
+    }
+    text += text_table(rows);
+  }
+  if (!r.interpolation.empty()) {
+    text +=
+        "\nBetween the nodes: " + r.chosen_interpolation + ". Left-out angles are missed by, at a lever of 100 mm:\n";
+    rows.clear();
+    for (const InterpolationEvidence& e : r.interpolation)
+      rows.push_back({e.method, formatted("%.2f um", e.score_um), formatted("(D %.2f um,", e.rms_um),
+                      formatted("theta %.2f urad)", e.rms_urad)});
+    text += text_table(rows);
+  } else {
+    text += "\nBetween the nodes: " + r.chosen_interpolation + "\n";
+  }
+  return text;
+}
+
+void warn(const IdentificationResult& r, const Talk& talk, char tilt) {
+  const ObservationSet& set = *r.problem.observations;
+  for (const Outlier& o : r.outliers)
+    talk.warn(set.place(r.problem.readings[o.reading].row) + ": left out as an outlier: residual " +
+              formatted("%.2f um", 1e3 * o.residual) +
+              formatted(", %.1f of its standard deviations; touch that spot again", o.normalised));
+  if (!r.crowd.empty())
+    talk.warn(std::to_string(r.crowded.size()) + " readings are far off and stand together (" + r.crowd +
+              "): an effect that the map lacks, not chips; none was left out, run trunnion close");
+  if (!r.unchecked.empty())
+    talk.warn(std::to_string(r.unchecked.size()) + " readings cannot be checked by any other (first: " +
+              set.place(r.problem.readings[r.unchecked.front()].row) + "); a second spot on those faces would do it");
+  for (const UnseenFreedom& f : r.unseen) {
+    std::string components;
+    for (const std::size_t c : f.components)
+      components +=
+          std::string(components.empty() ? "" : ", ") + std::vector<const char*>{"Dx", "Dy", "Dz", "Da", "Db", "Dc"}[c];
+    talk.warn("pose " + position_text(r.problem.poses[f.pose].at, tilt, true) + ": no reading sees a freedom in " +
+              components + "; its errors are left unknown (--fill takes them from the smooth fit)");
+  }
+  for (const std::string& name : r.undetermined) talk.warn(name + ": not determined by these readings");
+  if (!r.interpolated_nodes.empty())
+    talk.warn(std::to_string(r.interpolated_nodes.size()) +
+              " grid positions were not probed (first: " + position_text(r.interpolated_nodes.front(), tilt, true) +
+              "); the smooth fit stands in, with its uncertainty");
+}
+
+int run(const Options& o, const Talk& talk) {
+  const Machine machine = read_machine(o.machine);
+  const ObservationSet observations = read_observations(o.observations, machine);
+  IdentificationOptions options{.robust = !o.no_robust, .fill = o.fill, .interpolation = o.interpolation};
+  options.method = o.method == "two-step" ? IdentificationMethod::two_step : IdentificationMethod::joint;
+  IdentificationResult result = identify(observations, machine, options);
+  const nlohmann::json fit = identification_json(result, machine, {o.machine, o.observations});
+  result.model.fit = std::make_shared<nlohmann::json>(fit);
+  warn(result, talk, machine.tilt_letter());
+  talk.show(summary(result, machine));
+  if (talk.json) std::printf("%s\n", fit.dump(1).c_str());
+  write_whole(o.output, model_text(result.model), {o.machine, o.observations});
+  talk.say("wrote " + o.output);
+  return 0;
+}
+
+}  // namespace
+
+Command identify_command(CLI::App& program, const Talk& talk) {
+  auto o = std::make_shared<Options>();
+  CLI::App* app = program.add_subcommand("identify", "Error maps with standard uncertainties from measurements");
+  app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
+  app->add_option("--observations", o->observations, "Measurements (CSV)")
+      ->required()
+      ->type_name("O.csv")
+      ->group("Input");
+  app->add_option("-o,--output", o->output, "Model to write (JSON)")
+      ->required()
+      ->type_name("model.json")
+      ->group("Output");
+  app->add_option("--method", o->method,
+                  "joint: one least squares over all poses; two-step: pose by pose, as the paper")
+      ->check(CLI::IsMember({"joint", "two-step"}))
+      ->capture_default_str()
+      ->group("Fit");
+  app->add_option("--interpolation", o->interpolation, "Between the nodes; default: what predicts left-out angles best")
+      ->check(CLI::IsMember({"gaussian-process", "trig-cubic", "bilinear", "natural-neighbour"}))
+      ->group("Fit");
+  app->add_flag("--fill", o->fill, "Let the smooth fit stand in for freedoms that no reading determines")->group("Fit");
+  app->add_flag("--no-robust", o->no_robust, "Do not look for outliers")->group("Fit");
+  app->footer("Example:\n  trunnion identify --machine machine.toml --observations replica.csv -o model.json");
+  return {app, [o, &talk] { return run(*o, talk); }};
+}
+
+}  // namespace trunnion

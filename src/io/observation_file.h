@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "kinematics/machine.h"
+#include "probing/observation.h"
+
+namespace trunnion {
+
+/// An observations file (CSV, CONTRACT: Observations) of `machine`, whose tilting axis names A_deg or B_deg and A_dir
+/// or B_dir. Strict: throws InputError with file, line and column, what was found and what is wanted. A numeric column
+/// that is not known becomes a covariate.
+ObservationSet read_observations(const std::string& path, const Machine& machine);
+/// The same from text; `name` stands for the file in messages.
+ObservationSet parse_observations(std::string_view text, const std::string& name, const Machine& machine);
+
+}  // namespace trunnion

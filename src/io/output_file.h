@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace trunnion {
+
+/// A file that appears whole or not at all: written beside its place, then moved there by commit(). Without commit()
+/// nothing is left, also when the process is interrupted by a signal that it can catch.
+class OutputFile {
+ public:
+  /// Throws UsageError if `path` is one of `inputs`, also by another name or link; InputError if the place cannot be
+  /// written.
+  OutputFile(std::string path, const std::vector<std::string>& inputs);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Throws InputError when the device is full or fails.
+  void append(std::string_view text);
+  /// Makes the file appear, replacing what stood there.
+  void commit();
+
+ private:
+  void flush();
+  std::string path_, temporary_;
+  std::string buffer_;
+  int file_ = -1;
+};
+
+/// OutputFile in one go.
+void write_whole(const std::string& path, std::string_view text, const std::vector<std::string>& inputs);
+
+/// Files of one folder that appear together: each is written beside its place first, then all are moved. Folders that
+/// are missing are made; names may hold one level of sub-folders ("kinematics/map.h").
+class OutputFolder {
+ public:
+  OutputFolder(std::string folder, std::vector<std::string> inputs);
+  void add(std::string name, std::string text);
+  /// Writes everything; on failure nothing new is left.
+  void commit();
+
+ private:
+  std::string folder_;
+  std::vector<std::string> inputs_;
+  std::vector<std::pair<std::string, std::string>> files_;
+};
+
+}  // namespace trunnion
