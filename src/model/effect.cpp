@@ -32,8 +32,27 @@ std::shared_ptr<const Effect> Effect::with_parameters(const Eigen::VectorXd& val
   return copy;
 }
 
-std::shared_ptr<const Effect> Effect::with_shape(const Eigen::VectorXd&) const {
-  throw ModelError("effect " + id() + " has no shape to set");
+std::shared_ptr<const Effect> Effect::with_shape(const Eigen::VectorXd& shape) const {
+  if (this->shape().empty()) throw ModelError("effect " + id() + " has no shape to set");
+  refuse_outside_ranges(shape);
+  std::shared_ptr<Effect> copy = clone();
+  copy->set_shape(shape);
+  return copy;
+}
+
+void Effect::refuse_outside_ranges(const Eigen::VectorXd& numbers) const {
+  const std::vector<Parameter> names = shape();
+  const std::vector<ShapeRange> ranges = shape_ranges();
+  if (static_cast<std::size_t>(numbers.size()) != names.size())
+    throw ModelError("effect " + id() + ": a shape of " + std::to_string(names.size()) + " numbers is wanted");
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const double value = numbers[static_cast<Eigen::Index>(i)];
+    const auto shown = [&](double inside) { return json(to_unit(inside, names[i].unit)).dump(); };
+    if (!(value >= ranges[i].low && value <= ranges[i].high) || (ranges[i].whole && value != std::floor(value)))
+      throw ModelError("effect " + id() + ": shape." + names[i].name + ": " + shown(value) + " found, " +
+                       (ranges[i].whole ? "a whole number of " : "a number of ") + shown(ranges[i].low) + " to " +
+                       shown(ranges[i].high) + " " + std::string(unit_text(names[i].unit).text) + " is wanted");
+  }
 }
 
 json Effect::to_json() const {
@@ -78,7 +97,29 @@ double number(const json& j, const std::string& where) {
 
 }  // namespace
 
+void Effect::read_shape(const json& j) {
+  const std::vector<Parameter> names = shape();
+  if (names.empty()) return;
+  const std::string where = "effect " + id();
+  if (!j.contains("shape") || !j["shape"].is_object()) throw ModelError(where + ": \"shape\" is missing");
+  Eigen::VectorXd numbers(static_cast<Eigen::Index>(names.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string key = where + ": shape." + names[i].name;
+    if (!j["shape"].contains(names[i].name)) throw ModelError(key + " is missing");
+    const json& entry = j["shape"][names[i].name];
+    if (!entry.is_object() || !entry.contains("value") || !entry.contains("unit"))
+      throw ModelError(key + ": {\"value\", \"unit\"} is wanted");
+    if (entry["unit"] != unit_text(names[i].unit).text)
+      throw ModelError(key + ".unit: " + entry["unit"].dump() + " found, \"" +
+                       std::string(unit_text(names[i].unit).text) + "\" is wanted");
+    numbers[static_cast<Eigen::Index>(i)] = from_unit(number(entry["value"], key + ".value"), names[i].unit);
+  }
+  refuse_outside_ranges(numbers);
+  set_shape(numbers);
+}
+
 void Effect::read_parameters(const json& j) {
+  read_shape(j);
   const std::string where = "effect " + id();
   if (!j.contains("parameters") || !j["parameters"].is_object())
     throw ModelError(where + ": \"parameters\" is missing");

@@ -21,7 +21,16 @@ struct Parameter {
   std::string name;
   Unit unit = Unit::one;
   double value = 0;
+  double absurd = 0;  ///< a magnitude beyond this (inside units) is not credible; 0: as its family says
   friend bool operator==(const Parameter&, const Parameter&) = default;
+};
+
+/// Where one number of a shape may lie, inside units; `whole` numbers can be scanned only, the others be refined.
+struct ShapeRange {
+  double low = 0;
+  double high = 0;
+  bool whole = false;
+  friend bool operator==(const ShapeRange&, const ShapeRange&) = default;
 };
 
 /// One thing that can be wrong, told once for fitting, discovery, evaluation, correction, tables and prediction alike.
@@ -59,8 +68,10 @@ class Effect {
 
   /// The numbers of the shape, empty for most effects.
   virtual std::vector<Parameter> shape() const { return {}; }
-  /// A copy with another shape, parameters kept. Throws ModelError for an effect without one.
-  virtual std::shared_ptr<const Effect> with_shape(const Eigen::VectorXd& shape) const;
+  /// One range for each of them.
+  virtual std::vector<ShapeRange> shape_ranges() const { return {}; }
+  /// A copy with another shape, parameters kept. Throws ModelError for an effect without one, or outside its ranges.
+  std::shared_ptr<const Effect> with_shape(const Eigen::VectorXd& shape) const;
 
   /// `{"id", "origin", "parameters": {NAME: {"value", "std", "unit"}}}`, with "shape" and "covariance" where there are
   /// any. The map writes itself otherwise.
@@ -68,9 +79,15 @@ class Effect {
 
  protected:
   virtual std::shared_ptr<Effect> clone() const = 0;
-  /// Restores parameters, shape excluded, from what to_json wrote. Throws ModelError naming the key.
+  virtual void set_shape(const Eigen::VectorXd&) {}
+  /// Restores shape, parameters and covariance from what to_json wrote. Throws ModelError naming the key.
   void read_parameters(const nlohmann::json& json);
 
+ private:
+  void refuse_outside_ranges(const Eigen::VectorXd& shape) const;
+  void read_shape(const nlohmann::json& json);
+
+ protected:
   std::vector<Parameter> parameters_;
   Eigen::MatrixXd covariance_;
 };
