@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""A sample does what its expected/ folder says.
+
+    samples_test.py SAMPLE_DIR PROGRAM OUTPUT_DIR [--accept]
+
+Runs SAMPLE_DIR/run.sh into OUTPUT_DIR and compares each file of SAMPLE_DIR/expected with what came out: the words must be
+equal, the numbers agree to RELATIVE or ABSOLUTE (last digits depend on compiler and processor). --accept writes what
+came out into expected/ instead, for the files that it has (all text files, if it is empty).
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+RELATIVE = 1e-4
+ABSOLUTE = 2e-4  # um, urad, mm, deg: a fifth of a nanometre in what reports show
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+
+def same_line(wanted, found):
+    if wanted == found:
+        return True
+    if re.sub(r"\s+", " ", NUMBER.sub("#", wanted)) != re.sub(r"\s+", " ", NUMBER.sub("#", found)):
+        return False
+    for w, f in zip(NUMBER.findall(wanted), NUMBER.findall(found)):
+        if abs(float(w) - float(f)) > max(ABSOLUTE, RELATIVE * abs(float(w))):
+            return False
+    return True
+
+
+def compare(wanted_file, found_file):
+    wanted = wanted_file.read_text(encoding="utf-8").splitlines()
+    found = found_file.read_text(encoding="utf-8").splitlines()
+    for number, (w, f) in enumerate(zip(wanted, found), 1):
+        if not same_line(w, f):
+            yield f"{wanted_file.name}:{number}: wanted {w!r}, found {f!r}"
+    if len(wanted) != len(found):
+        yield f"{wanted_file.name}: wanted {len(wanted)} lines, found {len(found)}"
+
+
+def main():
+    sample, program, out = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
+    accept = "--accept" in sys.argv[4:]
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir(parents=True)
+    done = subprocess.run([sample / "run.sh", out], env={**os.environ, "TRUNNION": str(program)},
+                          stdin=subprocess.DEVNULL, check=False)
+    if done.returncode != 0:
+        print(f"{sample.name}/run.sh: exit status {done.returncode}")
+        return 1
+    expected = sample / "expected"
+    if accept:
+        expected.mkdir(exist_ok=True)
+        names = sorted(path.name for path in expected.iterdir()) or sorted(path.name for path in out.iterdir())
+        for name in names:
+            shutil.copyfile(out / name, expected / name)
+        return 0
+    findings, files = [], sorted(path for path in expected.iterdir() if path.is_file())
+    if not files:
+        findings.append(f"{expected}: is empty, nothing was compared")
+    for path in files:
+        if not (out / path.name).exists():
+            findings.append(f"{path.name}: was not written")
+        else:
+            findings += compare(path, out / path.name)
+    print("\n".join(findings[:20]) or f"{len(files)} files as expected")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
