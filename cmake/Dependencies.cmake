@@ -1,3 +1,6 @@
+# Builds that keep assertions on have no build type; CGAL need not warn of it.
+set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE TRUE)
+
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(CLI11 CONFIG REQUIRED)
