@@ -97,6 +97,7 @@ int chords(const MotionBlock& block, double tolerance_mm) {
 
 /// Enough decimals for seven digits of a feed.
 Decimal feed_decimal(double value) {
+  value = std::clamp(value, 1e-6, 1e9);
   const int whole = static_cast<int>(std::floor(std::log10(value))) + 1;
   return rounded(value, std::clamp(7 - whole, 0, kMostDecimals));
 }

@@ -36,7 +36,7 @@ struct CorrectionGuard {
   double tolerance_mm = 0.0002;                                        ///< of the tip between end points
   double tolerance_rad = 2e-6;                                         ///< of the tool axis between end points
   int most_pieces = 1000;                                              ///< of one line
-  int most_arc_pieces = 100000;                                        ///< of one arc
+  int most_arc_pieces = 20000;                                         ///< of one arc
 };
 
 /// Strokes and limits of a machine file.

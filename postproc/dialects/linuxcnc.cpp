@@ -10,6 +10,8 @@ namespace trunnion {
 namespace {
 
 constexpr double kInch_mm = 25.4;
+constexpr double kFarthest = 1e6;  // mm, inch or degrees: beyond any machine, within exact arithmetic of its digits
+constexpr double kFastest = 1e9;
 constexpr int kFinestDecimals = 6;  // of a corrected word, however many the program shows
 constexpr int kNoMotion = 800;      // G80
 
@@ -130,6 +132,9 @@ class LinuxcncScanner : public ProgramScanner {
   }
 
   void take_word(const Token& token, Words& words) {
+    if (std::string_view("XYZABCUVWIJKR").find(token.letter) != std::string_view::npos &&
+        std::abs(token.number.value()) > kFarthest)
+      bad(std::string(1, token.letter) + " is beyond 1000000");
     if (const auto axis = axis_of(token.letter)) {
       if (words.axis[*axis] != nullptr) bad(std::string(1, token.letter) + " stands twice in one block");
       words.axis[*axis] = &token;
@@ -156,6 +161,7 @@ class LinuxcncScanner : public ProgramScanner {
       case 'F':
         if (words.feed != nullptr) bad("F stands twice in one block");
         if (token.number.mantissa < 0) bad("F is negative");
+        if (token.number.value() > kFastest) bad("F is beyond 1000000000");
         words.feed = &token;
         break;
       case 'I':
@@ -562,6 +568,7 @@ class LinuxcncScanner : public ProgramScanner {
       style_[axis] = token.style;
       if (incremental_) {
         at_[axis] += value;
+        if (std::abs(at_[axis]) > kInch_mm * kFarthest) bad(std::string(1, token.letter) + " leads beyond any machine");
       } else {
         at_[axis] = value + work_zero(axis) + shift_[axis];
         known_ |= only(axis);
