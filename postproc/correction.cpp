@@ -127,6 +127,20 @@ class AxisMismatch {
 
 }  // namespace
 
+ErrorField::Slopes ErrorField::with_slopes(const Situation& situation) const {
+  const Angle step = Angle::radians(kDerivativeStep_rad);
+  const auto rotation_at = [&](Angle a, Angle c) {
+    Situation near = situation;
+    near.at = {a, c};
+    return at(near).rotation_rad;
+  };
+  Slopes slopes{at(situation), {}, {}};
+  const Vector3d& here = slopes.error.rotation_rad;
+  slopes.rotation_by_a = (rotation_at(situation.at.a + step, situation.at.c) - here) / kDerivativeStep_rad;
+  slopes.rotation_by_c = (rotation_at(situation.at.a, situation.at.c + step) - here) / kDerivativeStep_rad;
+  return slopes;
+}
+
 Corrector::Corrector(const KinematicChain& chain, const ErrorField& field, CorrectionSettings settings)
     : chain_(chain), field_(field), settings_(settings), tool_side_(chain.has_rotary(Side::tool)) {
   for (std::size_t i = 0; i < 2; ++i) {
@@ -172,14 +186,14 @@ Vector3d Corrector::nominal_tip_r(const Commanded& programmed) const {
   return tip_r(programmed, stand(programmed.rotary));
 }
 
-PoseError Corrector::error_at(const Commanded& programmed, IndexedPosition position, const Vector3d& tip_r_mm) const {
+Situation Corrector::situation(const Commanded& programmed, IndexedPosition position, const Vector3d& tip_r_mm) const {
   Situation situation;
   situation.at = position;
   situation.point_r_mm = tip_r_mm;
   situation.tilt_sense = programmed.tilt_sense;
   situation.turn_sense = programmed.turn_sense;
   situation.tool_length_mm = settings_.tool_length_mm;
-  return field_.at(situation);
+  return situation;
 }
 
 RotaryCorrection Corrector::rotary(const Commanded& programmed) const {
@@ -187,11 +201,9 @@ RotaryCorrection Corrector::rotary(const Commanded& programmed) const {
   const IndexedPosition at = programmed.rotary;
   const Stand here = stand(at);
   const Vector3d tip = tip_r(programmed, here);
-  const Vector3d error = error_at(programmed, at, tip).rotation_rad;
-  const Angle step = Angle::radians(kDerivativeStep_rad);
-  const Vector3d by_a = (error_at(programmed, {at.a + step, at.c}, tip).rotation_rad - error) / kDerivativeStep_rad;
-  const Vector3d by_c = (error_at(programmed, {at.a, at.c + step}, tip).rotation_rad - error) / kDerivativeStep_rad;
-  const AxisMismatch axes(chain_, here.t_rotation.col(2), here.lines, error, by_a, by_c);
+  const ErrorField::Slopes slopes = field_.with_slopes(situation(programmed, at, tip));
+  const AxisMismatch axes(chain_, here.t_rotation.col(2), here.lines, slopes.error.rotation_rad, slopes.rotation_by_a,
+                          slopes.rotation_by_c);
 
   // Stationary point J~^T m(q) + diag(0, lambda^2) dq = 0 by Newton with the full derivative. J~ is the nominal one, so
   // that a C parallel to the tool keeps its programmed value.

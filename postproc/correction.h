@@ -16,6 +16,13 @@ class ErrorField {
  public:
   virtual ~ErrorField() = default;
   virtual PoseError at(const Situation& situation) const = 0;
+  /// The same with the derivatives of its rotation by A and C; here by differences.
+  struct Slopes {
+    PoseError error;
+    Eigen::Vector3d rotation_by_a;  ///< rad per rad
+    Eigen::Vector3d rotation_by_c;
+  };
+  virtual Slopes with_slopes(const Situation& situation) const;
   /// The tilts that were measured. at() answers half a degree beyond them, for the correction's own step.
   virtual Range<Angle> tilt_range() const = 0;
 };
@@ -98,7 +105,10 @@ class Corrector {
   Stand stand(IndexedPosition position) const;
   Eigen::Vector3d tip_w(const Commanded& programmed, const Stand& at) const;
   Eigen::Vector3d tip_r(const Commanded& programmed, const Stand& at) const;
-  PoseError error_at(const Commanded& programmed, IndexedPosition position, const Eigen::Vector3d& tip_r_mm) const;
+  Situation situation(const Commanded& programmed, IndexedPosition position, const Eigen::Vector3d& tip_r_mm) const;
+  PoseError error_at(const Commanded& programmed, IndexedPosition position, const Eigen::Vector3d& tip_r_mm) const {
+    return field_.at(situation(programmed, position, tip_r_mm));
+  }
 
   const KinematicChain& chain_;
   const ErrorField& field_;

@@ -1,5 +1,7 @@
 #include "postproc/model_field.h"
 
+#include <algorithm>
+
 #include "model/effects/rotary_error_map.h"
 
 namespace trunnion {
@@ -19,7 +21,37 @@ ModelField::ModelField(const Model& model, const std::map<std::string, double>& 
   }
 }
 
+bool ModelField::bake(const KinematicChain& chain) {
+  if (chain.has_rotary(Side::tool)) return false;
+  for (const EffectPtr& effect : model_.effects) {
+    if (effect->origin() != Origin::machine) continue;
+    for (const std::string& column : effect->depends_on())
+      if (column != "A_deg" && column != "B_deg" && column != "C_deg" && column != "time_s" &&
+          column != "temperature_C" && std::ranges::find(names_, column) == names_.end())
+        return false;
+  }
+  // A correction's own step may leave the measured range.
+  const Angle margin = 0.5 * ErrorSurface::kMargin;
+  auto baked = std::make_unique<BakedMap>(
+      [this](IndexedPosition position) {
+        Situation situation;
+        situation.at = position;
+        return at(situation);
+      },
+      Range<Angle>{range_.low - margin, range_.high + margin});
+  if (!baked->meets({})) return false;
+  baked_ = std::move(baked);
+  return true;
+}
+
+ErrorField::Slopes ModelField::with_slopes(const Situation& situation) const {
+  if (!baked_) return ErrorField::with_slopes(situation);
+  const PoseErrorSlopes slopes = baked_->with_slopes(situation.at);
+  return {slopes.error, slopes.by_a.rotation_rad, slopes.by_c.rotation_rad};
+}
+
 PoseError ModelField::at(const Situation& situation) const {
+  if (baked_) return baked_->at(situation.at);
   Situation full = situation;
   full.time_s = time_s_;
   full.temperature_C = temperature_C_;

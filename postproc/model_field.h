@@ -1,7 +1,9 @@
 #pragma once
 
 #include <map>
+#include <memory>
 
+#include "errormap/baked_map.h"
 #include "model/model.h"
 #include "postproc/correction.h"
 
@@ -15,7 +17,13 @@ class ModelField : public ErrorField {
   ModelField(const Model& model, const std::map<std::string, double>& covariates, Range<Angle> stroke);
 
   PoseError at(const Situation& situation) const override;
+  Slopes with_slopes(const Situation& situation) const override;
   Range<Angle> tilt_range() const override { return range_; }
+
+  /// Bakes the model, for programs of many blocks, if its error depends on nothing but A and C (no rotary
+  /// axis on the tool side, where the tool's lever counts) and the bake meets its
+  /// tolerance (0.001 um at 200 mm); says whether it did.
+  bool bake(const KinematicChain& chain);
 
  private:
   const Model& model_;
@@ -24,6 +32,7 @@ class ModelField : public ErrorField {
   double temperature_C_ = 20;
   std::vector<std::string> names_;
   std::vector<double> values_;
+  std::unique_ptr<BakedMap> baked_;
 };
 
 }  // namespace trunnion
