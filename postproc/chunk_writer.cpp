@@ -448,7 +448,8 @@ void ChunkWriter::copy_to(std::uint32_t place) {
 
 void ChunkWriter::append_word(const MotionBlock& block, std::size_t axis, Decimal value, bool blank) {
   if (blank) out_.text += ' ';
-  out_.text += letters_[axis];
+  const bool small = block.words > 0 && source_[block.word[block.order[0]].text] >= 'a';
+  out_.text += static_cast<char>(small ? letters_[axis] - 'A' + 'a' : letters_[axis]);
   append_number(out_.text, value, block.style[axis]);
   ++out_.counts.added_words;
 }

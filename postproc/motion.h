@@ -68,7 +68,6 @@ struct MotionBlock {
   std::array<std::uint8_t, kAxes> decimals{};  ///< of what is written
   std::array<NumberStyle, kAxes> style{};      ///< of words that are added
   bool blank_before_words = false;             ///< how words are set apart
-  bool lower_case = false;
   AxisSet raw_since = 0;  ///< axes that copied blocks have put elsewhere since the last corrected block
   int tilt_sense = 1, turn_sense = 1;
   FeedMode feed_mode = FeedMode::per_minute;

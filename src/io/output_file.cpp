@@ -123,6 +123,11 @@ void OutputFile::flush() {
   buffer_.clear();
 }
 
+std::string OutputFile::written() {
+  flush();
+  return temporary_;
+}
+
 void OutputFile::commit() {
   flush();
   if (::fsync(file_) != 0) throw cannot_write(path_, std::strerror(errno));

@@ -20,6 +20,8 @@ class OutputFile {
 
   /// Throws InputError when the device is full or fails.
   void append(std::string_view text);
+  /// Where everything appended so far stands until commit(), to be read again.
+  std::string written();
   /// Makes the file appear, replacing what stood there.
   void commit();
 

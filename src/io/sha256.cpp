@@ -11,7 +11,7 @@ namespace {
 /// The first 32 bits of the fraction of the n-th root of a prime: the standard's constants, exactly.
 std::uint32_t root_fraction(std::uint32_t prime, int root) {
   // floor(prime^(1/root) 2^32) by bisection in whole numbers.
-  using Wide = unsigned __int128;
+  __extension__ typedef unsigned __int128 Wide;
   std::uint64_t low = 0, high = std::uint64_t{1} << 40;
   while (high - low > 1) {
     const std::uint64_t middle = low + (high - low) / 2;

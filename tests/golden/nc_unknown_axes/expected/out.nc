@@ -1,0 +1,15 @@
+(corrected by trunnion: model 7d1b17416727, machine Middle-size trunnion, serial 0001)
+G21 G90
+G0 Z100
+X5 Y5
+A-30.0007 C19.9999 X5.0021 Y4.9968 Z100.0018
+G1 X6.0021 F200
+G53 G0 Z0
+X7
+Z10.0018 X7.0025 Y4.9978
+T2 M6
+X1 Y1
+Z50 A0 C0
+G1 Z5
+G28
+M2

@@ -1,0 +1,2 @@
+G0 X1 Y1 Z1 A-10 C0 (oops
+M2
