@@ -35,7 +35,13 @@ int run(int argc, char** argv) {
       "Exit status: 0 done, 1 a check that protects a machine failed, 2 bad usage or bad input.");
   Talk talk;
   std::vector<Command> commands;
-  for (const auto& add : {identify_command, evaluate_command, correct_command}) commands.push_back(add(program, talk));
+  for (const auto& add : {
+           identify_command,
+           evaluate_command,
+           correct_command,
+           close_command,
+       })
+    commands.push_back(add(program, talk));
   for (const Command& command : commands) {
     command.options->add_flag("--json", talk.json, "Print the machine-readable summary on standard output")
         ->group("Talk");

@@ -23,6 +23,7 @@ struct System {
   Eigen::VectorXd rhs[2];
   double square[2] = {0, 0};
   double count[2] = {0, 0};
+  Eigen::VectorXd extra_precision;  ///< of the last columns, whitened units; empty: free
 };
 
 /// The prior's degrees of freedom, as logarithms that may take any value.
@@ -126,6 +127,7 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
     value += 0.5 * w * system.square[c] + system.count[c] * std::log(noise[c]);
   }
   joint.diagonal().head(system.coefficients) += (-log_variance).array().exp().matrix();
+  if (system.extra_precision.size() > 0) joint.diagonal().tail(system.extra_precision.size()) += system.extra_precision;
   // An unknown that no reading in use sees stays at zero.
   const double largest = std::max(1.0, joint.diagonal().tail(system.size - system.coefficients).size() > 0
                                            ? joint.diagonal().tail(system.size - system.coefficients).maxCoeff()
@@ -250,6 +252,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     return options.values.empty() ? problem.readings[static_cast<std::size_t>(i)].value
                                   : options.values[static_cast<std::size_t>(i)];
   };
+  if (options.extra_precision.size() > 0) system.extra_precision = kUm * kUm * options.extra_precision;
   RowWhitener whitener(problem, basis, options.extra_columns);
   const auto whiten = [&](Eigen::Index i) -> const Eigen::RowVectorXd& { return whitener.row(i); };
   const Eigen::VectorXd& column_scale = whitener.column_scale();

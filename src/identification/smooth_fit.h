@@ -26,6 +26,7 @@ struct SmoothOptions {
   std::vector<double> weights;       ///< one per reading on 1/sigma^2, 0 leaves it out; empty: all 1
   std::vector<double> values;        ///< replaces Reading::value (relinearised readings); empty: as they are
   Eigen::MatrixXd extra_columns;  ///< further unknowns without prior: one row per reading (mm or rad), one column each
+  Eigen::VectorXd extra_precision;  ///< prior precision of each extra unknown; empty: they are free
 };
 
 /// A map as one smooth function through all readings, with the measurement's unknowns.

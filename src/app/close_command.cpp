@@ -1,0 +1,141 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/command.h"
+#include "app/text_table.h"
+#include "discovery/closure.h"
+#include "io/closure_file.h"
+#include "io/machine_file.h"
+#include "io/model_file.h"
+#include "io/observation_file.h"
+#include "io/output_file.h"
+
+namespace trunnion {
+namespace {
+
+struct Options {
+  std::string machine, observations, verification, output;
+};
+
+std::string joined_words(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string summary(const ClosureResult& r) {
+  std::string text = "Verdict: " + std::string(verdict_text(r.verdict)) + ".\n";
+  text += std::to_string(r.problem.readings.size()) + " readings at " + std::to_string(r.problem.poses.size()) +
+          " poses, " + std::to_string(r.columns_scanned) + " columns of candidates scanned, declared sigma " +
+          formatted("%.3f um", r.noise_um) + "\n\n";
+  std::vector<std::vector<std::string>> rows = {{"", "before", "after", ""}};
+  rows.push_back({"residual rms", formatted("%.3f", r.before.rms_um), formatted("%.3f", r.after.rms_um), "um"});
+  rows.push_back(
+      {"reduced chi-square", formatted("%.3f", r.before.reduced_chi2), formatted("%.3f", r.after.reduced_chi2), ""});
+  rows.push_back({r.has_holdout ? "poses kept back" : "poses left out in turn",
+                  formatted("%.3f", r.before.holdout_rms_um), formatted("%.3f", r.after.holdout_rms_um), "um"});
+  text += text_table(rows);
+  for (const AcceptedEffect& e : r.effects) {
+    text += "\n" + e.effect->id() +
+            (e.effect->origin() == Origin::machine ? " (of the machine, will be compensated)"
+                                                   : " (of the measurement, never compensated)") +
+            "\n";
+    text += "  " +
+            (e.smooth ? std::string("a smooth effect that no family of the catalogue explains")
+                      : std::string(family_of(e.effect->id()).what)) +
+            "; depends on " + joined_words(e.effect->depends_on()) + "\n";
+    if (!e.smooth) {
+      rows.clear();
+      for (std::size_t k = 0; k < e.effect->parameters().size(); ++k) {
+        const Parameter& p = e.effect->parameters()[k];
+        const auto i = static_cast<Eigen::Index>(k);
+        rows.push_back(
+            {"  " + p.name,
+             with_uncertainty(to_unit(p.value, p.unit), to_unit(std::sqrt(e.effect->covariance()(i, i)), p.unit)),
+             std::string(unit_text(p.unit).text)});
+      }
+      for (const Parameter& p : e.effect->shape())
+        rows.push_back(
+            {"  " + p.name, formatted("%.4g", to_unit(p.value, p.unit)), std::string(unit_text(p.unit).text)});
+      text += text_table(rows);
+    }
+    text += formatted("  family-wise p %.1e", e.p_value) + formatted(", visible fraction %.2f", e.visible_fraction) +
+            formatted("; poses kept back %.3f", e.holdout_before_um) + formatted(" -> %.3f um\n", e.holdout_after_um);
+    if (!e.not_separable_from.empty())
+      text += "  these data cannot tell it from: " + joined_words(e.not_separable_from) +
+              "\n  to separate: " + e.separate_by + "\n";
+    else if (e.rigid_within_poses)
+      text += "  rigid within each pose: either this, or more complex rotary maps; to be sure: " + e.separate_by + "\n";
+    if (e.absurd)
+      text += "  its size is not credible for a sound machine: look for a mistake in the measurement first\n";
+  }
+  if (!r.refused.empty()) {
+    text += "\nTried and refused:\n";
+    for (const std::string& line : r.refused) text += "  " + line + "\n";
+  }
+  if (!r.untestable.empty()) {
+    text += "\nNot testable with these data:\n";
+    rows.clear();
+    for (const Untestable& u : r.untestable) rows.push_back({u.id + ": " + u.separate_by});
+    text += text_table(rows);
+  }
+  return text;
+}
+
+int run(const Options& o, const Talk& talk) {
+  const Machine machine = read_machine(o.machine);
+  ObservationSet all = read_observations(o.observations, machine);
+  const std::size_t calibration_rows = all.rows.size();
+  std::vector<std::string> inputs = {o.machine, o.observations};
+  if (!o.verification.empty()) {
+    all = joined(all, read_observations(o.verification, machine));
+    inputs.push_back(o.verification);
+  }
+  ClosureResult result = close_loop(all, calibration_rows, machine);
+  nlohmann::json closure = closure_json(result);
+  result.model.fit = std::make_shared<nlohmann::json>(nlohmann::json{{"method", "closure"},
+                                                                     {"verdict", closure["verdict"]},
+                                                                     {"before", closure["before"]},
+                                                                     {"after", closure["after"]}});
+  for (const std::size_t i : result.outliers)
+    talk.warn(all.place(result.problem.readings[i].row) + ": left out as an outlier" +
+              formatted(" (residual %.2f um); touch that spot again", 1e3 * result.residual_after[i]));
+  talk.show(summary(result));
+  if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
+  OutputFolder folder(o.output, inputs);
+  folder.add("closure.json", closure.dump(1) + "\n");
+  folder.add("model.json", model_text(result.model));
+  folder.add("residuals.csv", residual_csv(result, machine.tilt_letter()));
+  folder.commit();
+  talk.say("wrote " + o.output + "/closure.json, model.json, residuals.csv");
+  return 0;
+}
+
+}  // namespace
+
+Command close_command(CLI::App& program, const Talk& talk) {
+  auto o = std::make_shared<Options>();
+  CLI::App* app = program.add_subcommand(
+      "close", "Close the loop: residual, its cause, the extended model, error before and after");
+  app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
+  app->add_option("--observations", o->observations, "The calibration (CSV)")
+      ->required()
+      ->type_name("O.csv")
+      ->group("Input");
+  app->add_option("--verification", o->verification,
+                  "A later measurement at other angles (CSV); part of it is kept back")
+      ->type_name("V.csv")
+      ->group("Input");
+  app->add_option("-o,--output", o->output, "Folder for closure.json, model.json and residuals.csv")
+      ->required()
+      ->type_name("DIR")
+      ->group("Output");
+  app->footer(
+      "Example:\n  trunnion close --machine machine.toml --observations calibration.csv --verification later.csv -o "
+      "closed");
+  return {app, [o, &talk] { return run(*o, talk); }};
+}
+
+}  // namespace trunnion

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "discovery/candidate.h"
+#include "identification/identify.h"
+
+namespace trunnion {
+
+/// What the search for missing effects may do.
+struct ClosureOptions {
+  double level = 0.01;          ///< family-wise, over all columns scanned
+  double smooth_level = 0.001;  ///< chi-square below which the smooth fallback opens
+  int most_effects = 4;
+  int folds = 5;  ///< of poses, where there is no verification
+};
+
+enum class Verdict { nothing_missing, explained, partly_explained, unexplained };
+std::string_view verdict_text(Verdict verdict);
+
+/// Root mean squares and chi-square of one stage; lengths um (rotations at a lever of 100 mm).
+struct ClosureStage {
+  double rms_um = 0;
+  double reduced_chi2 = 0;
+  double chi2_p = 1;
+  double holdout_rms_um = 0;  ///< over hold-out poses alone; meaningless without any
+};
+
+/// One accepted effect with its evidence.
+struct AcceptedEffect {
+  EffectPtr effect;     ///< with final values and covariance
+  bool smooth = false;  ///< found by the fallback, not named by the catalogue
+  double p_value = 1;   ///< family-wise
+  double visible_fraction = 0;
+  bool rigid_within_poses = false;  ///< only the smooth base shows it: this effect, or a more complex map
+  double rms_before_um = 0, rms_after_um = 0, holdout_before_um = 0, holdout_after_um = 0;
+  std::vector<std::string> not_separable_from;
+  std::vector<std::string> partly_separable_from;
+  std::string separate_by;
+  bool absurd = false;  ///< a magnitude that no sound machine has
+};
+
+/// An effect that these data cannot test, and what would.
+struct Untestable {
+  std::string id;
+  std::string separate_by;
+};
+
+struct ClosureResult {
+  Verdict verdict = Verdict::nothing_missing;
+  double noise_um = 0;  ///< declared sigma
+  ClosureStage before, after;
+  bool has_holdout = false;
+  std::vector<AcceptedEffect> effects;
+  std::vector<std::string> refused;  ///< what was tried and failed a gate, in words
+  std::vector<Untestable> untestable;
+  Model model;  ///< the extended model: map, effects of the machine and of the measurement
+  std::size_t columns_scanned = 0;
+  std::vector<std::size_t> outliers;                    ///< readings left out
+  LinearProblem problem;                                ///< all readings, calibration first
+  std::vector<double> residual_before, residual_after;  ///< per reading, mm or rad
+  std::vector<bool> holdout;                            ///< per reading
+};
+
+/// Looks for effects that the data show and the model lacks. `all` holds the calibration and then, from row
+/// `verification_from` on, the verification (all.rows.size() where there is none); it must outlive the result.
+ClosureResult close_loop(const ObservationSet& all, std::size_t verification_from, const Machine& machine,
+                         const ClosureOptions& options = {});
+
+}  // namespace trunnion
