@@ -24,6 +24,8 @@ CompensationTask::CompensationTask(const Machine& m, const Model& d, const Table
 const std::vector<Controller>& controllers() {
   static const std::vector<Controller> all = {
       linuxcnc(),
+      isg_twincat(),
+      aerotech(),
   };
   return all;
 }

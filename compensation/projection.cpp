@@ -1,5 +1,7 @@
 #include "compensation/projection.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -142,6 +144,120 @@ OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>&
     if ((f - before).lpNorm<Eigen::Infinity>() < 1e-13) break;
   }
   return {{f.begin(), f.end()}, {g.begin(), g.end()}};
+}
+
+PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
+                 const std::vector<double>& turn_at_deg) {
+  using Lever = Eigen::Matrix<double, 9, 1>;  // columns of the lever matrix one below the other
+  using Seen = Eigen::Matrix<double, 11, 1>;  // those times the volume's half-widths, and the tilt
+  constexpr double kPreferRotary = 1e-6;      // what A or C can do as well is theirs
+  const auto rows = static_cast<Eigen::Index>(tilt_at_deg.size());
+  const auto columns = static_cast<Eigen::Index>(turn_at_deg.size());
+  const Eigen::Vector3d spread = task.volume.variance_mm2().cwiseSqrt();
+  const Eigen::Vector3d centre = task.volume.centre_mm();
+  // How a rotation acts about the volume's centre: the displacement it spreads along each axis, and the tilt.
+  const auto seen = [&](const Eigen::Vector3d& rotation) {
+    Seen y;
+    for (Eigen::Index k = 0; k < 3; ++k) y.segment<3>(3 * k) = spread[k] * rotation.cross(Eigen::Vector3d::Unit(k));
+    y.tail<2>() = kEngaged_mm * rotation.head<2>();
+    return y;
+  };
+  Eigen::Matrix<double, 11, 9> lever_seen = Eigen::Matrix<double, 11, 9>::Zero();
+  for (Eigen::Index k = 0; k < 3; ++k) lever_seen.block<3, 3>(3 * k, 3 * k) = spread[k] * Eigen::Matrix3d::Identity();
+
+  PairFit fit;
+  fit.tilt_rad.resize(rows, columns);
+  fit.turn_rad.resize(rows, columns);
+  for (Eigen::MatrixXd& shift : fit.shift_mm) shift.resize(rows, columns);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    std::vector<Vector6d> errors, about_a, about_c;
+    std::vector<Eigen::Matrix<double, 11, 2>> turning;
+    std::vector<Eigen::Matrix<double, 2, 11>> solve;
+    Eigen::Matrix<double, 9, 9> normal = kPreferRotary * Eigen::Matrix<double, 9, 9>::Identity();
+    Lever right = Lever::Zero();
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      const IndexedPosition at{Angle::degrees(tilt_at_deg[static_cast<std::size_t>(i)]),
+                               Angle::degrees(turn_at_deg[static_cast<std::size_t>(j)])};
+      const Situation s = in_the_middle(task, at);
+      errors.push_back(rotary_part(task, at).vector());
+      about_a.push_back(joint_rotation(task.chain, task.chain.tilt_index(), s));
+      about_c.push_back(joint_rotation(task.chain, task.chain.turn_index(), s));
+      Eigen::Matrix<double, 11, 2> b;
+      b << seen(about_a.back().tail<3>()), seen(about_c.back().tail<3>());
+      const Eigen::Matrix2d inner = b.transpose() * b + 1e-9 * Eigen::Matrix2d::Identity();
+      turning.push_back(b);
+      solve.push_back(inner.ldlt().solve(b.transpose()));
+      // Rotary axes eliminated: what they cannot take is left to the levers.
+      const Eigen::Matrix<double, 11, 11> left = Eigen::Matrix<double, 11, 11>::Identity() - b * solve.back();
+      normal += lever_seen.transpose() * left * lever_seen;
+      right += lever_seen.transpose() * left * seen(errors.back().tail<3>());
+    }
+    const Lever lever = normal.ldlt().solve(right);
+    fit.lever.push_back(Eigen::Map<const Eigen::Matrix3d>(lever.data()));
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      const auto n = static_cast<std::size_t>(j);
+      const Eigen::Vector2d turned = -(solve[n] * (seen(errors[n].tail<3>()) - lever_seen * lever));
+      fit.tilt_rad(i, j) = turned[0];
+      fit.turn_rad(i, j) = turned[1];
+      const Vector6d rest = errors[n] + turned[0] * about_a[n] + turned[1] * about_c[n];
+      const Eigen::Vector3d shift = rest.head<3>() + rest.tail<3>().cross(centre) - fit.lever.back() * centre;
+      for (std::size_t k = 0; k < 3; ++k) fit.shift_mm[k](i, j) = shift[static_cast<Eigen::Index>(k)];
+    }
+  }
+  return fit;
+}
+
+ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
+                   const std::vector<double>& turn_at_deg, TurnErrors turn_errors) {
+  const std::size_t rows = tilt_at_deg.size(), columns = turn_at_deg.size();
+  const Matrix6d metric = volume_metric(task.volume);
+  const std::size_t turn_joint = task.chain.turn_index();
+  std::vector<Vector6d> errors(rows * columns);
+  std::vector<Matrix6d> carried(rows);  // Ad(A): from C's frame to R
+  for (std::size_t i = 0; i < rows; ++i) {
+    const Angle a = Angle::degrees(tilt_at_deg[i]);
+    carried[i] = joint_twist(task.chain, turn_joint, in_the_middle(task, {a, Angle()}));
+    for (std::size_t j = 0; j < columns; ++j)
+      errors[i * columns + j] = rotary_part(task, {a, Angle::degrees(turn_at_deg[j])}).vector();
+  }
+  ChainFit fit;
+  fit.tilt = Matrix6Xd::Zero(6, static_cast<Eigen::Index>(rows));
+  const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
+  // The last of a full turn's columns is the first again and would count twice in a mean.
+  const std::size_t distinct = columns > 1 ? columns - 1 : columns;
+  if (turn_errors == TurnErrors::of_both) {
+    fit.turn.resize(6, at(rows * columns));
+    for (std::size_t i = 0; i < rows; ++i) {
+      for (std::size_t j = 0; j < distinct; ++j)
+        fit.tilt.col(at(i)) += errors[i * columns + j] / static_cast<double>(distinct);
+      const Matrix6d back = carried[i].inverse();
+      for (std::size_t j = 0; j < columns; ++j)
+        fit.turn.col(at(i * columns + j)) = back * (errors[i * columns + j] - fit.tilt.col(at(i)));
+    }
+    return fit;
+  }
+  fit.turn = Matrix6Xd::Zero(6, at(columns));
+  Matrix6d normal = Matrix6d::Zero();
+  for (const Matrix6d& ad : carried) normal += ad.transpose() * metric * ad;
+  const Eigen::LDLT<Matrix6d> solver(normal);
+  // By turns: a column of C given A's, the mean of A given C's; both are exact, the sum shrinks to the least squares.
+  for (int round = 0; round < 100; ++round) {
+    const Matrix6Xd before = fit.turn;
+    for (std::size_t j = 0; j < columns; ++j) {
+      Vector6d right = Vector6d::Zero();
+      for (std::size_t i = 0; i < rows; ++i)
+        right += carried[i].transpose() * metric * (errors[i * columns + j] - fit.tilt.col(at(i)));
+      fit.turn.col(at(j)) = solver.solve(right);
+    }
+    for (std::size_t i = 0; i < rows; ++i) {
+      fit.tilt.col(at(i)).setZero();
+      for (std::size_t j = 0; j < distinct; ++j)
+        fit.tilt.col(at(i)) +=
+            (errors[i * columns + j] - carried[i] * fit.turn.col(at(j))) / static_cast<double>(distinct);
+    }
+    if ((fit.turn - before).lpNorm<Eigen::Infinity>() < 1e-13) break;
+  }
+  return fit;
 }
 
 }  // namespace trunnion

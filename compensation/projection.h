@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "compensation/controller.h"
 #include "compensation/piecewise_linear.h"
 
@@ -39,5 +41,27 @@ struct OwnAxisFit {
 };
 OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
                         const std::vector<double>& turn_at_deg);
+
+/// What five axes add where each may do anything over (A, C), and the linear ones besides move in proportion to their
+/// own places: the best of a format with tables over pairs of axes. Rows run over A, columns over C.
+struct PairFit {
+  Eigen::MatrixXd tilt_rad, turn_rad;
+  std::array<Eigen::MatrixXd, 3> shift_mm;  ///< of X, Y, Z at R's origin
+  std::vector<Eigen::Matrix3d> lever;       ///< mm per mm, one per A: column k goes with coordinate k
+};
+/// Least squares in the volume's metric at the given positions.
+PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
+                 const std::vector<double>& turn_at_deg);
+
+/// The table's error as an error of A that depends on A and one of C that depends on C (in A's frame), nearest in the
+/// volume's metric: e(A, C) = eA(A) + Ad(A) eC(C). With `turn_by_both` eC may depend on A too and nothing is left out;
+/// then eA is the mean over C. One column per A; per A and C, A outer.
+struct ChainFit {
+  Matrix6Xd tilt;
+  Matrix6Xd turn;
+};
+enum class TurnErrors { of_turn_alone, of_both };
+ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
+                   const std::vector<double>& turn_at_deg, TurnErrors turn_errors);
 
 }  // namespace trunnion

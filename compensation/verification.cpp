@@ -32,6 +32,16 @@ class Ideal : public PlayedCompensation {
   const CompensationTask& task_;
 };
 
+/// Whether the control takes a set of this spacing.
+bool within_limits(const Controller& controller, const CompensationTask& task, Angle spacing) {
+  try {
+    controller.emit(task, spacing, {});
+    return true;
+  } catch (const RangeError&) {
+    return false;
+  }
+}
+
 double lost(double with_mm, double without_mm) {
   return std::sqrt(std::max(0.0, with_mm * with_mm - without_mm * without_mm));
 }
@@ -209,6 +219,7 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
   if (!chosen && controller.spacings.size() > 1) {
     const double dense = rms_of(few, controller.spacings.back(), {1, false});
     for (const Angle candidate : controller.spacings) {
+      if (candidate != controller.spacings.front() && !within_limits(controller, task, candidate)) break;
       spacing = candidate;
       if (lost(rms_of(few, candidate, {1, false}), dense) <=
           std::max(controller.spacing_loss.in_millimetres(), kSpacingShare * dense))
