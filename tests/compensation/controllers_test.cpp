@@ -71,7 +71,10 @@ TEST_P(EveryController, ReadsBackWhatItWroteToHalfAQuantum) {
 }
 
 TEST_P(EveryController, IsADraftUntilEveryQuestionIsConfirmed) {
-  if (controller.questions.items.empty()) GTEST_SKIP() << "nothing of it is unverified";
+  if (controller.questions.items.empty()) {  // nothing of it is unverified
+    EXPECT_TRUE(make_tables(controller, machine, replica_model(machine), {}).verification.load_ready());
+    return;
+  }
   machine.profile.erase(controller.questions.items.front().key);
   const TableSet set = make_tables(controller, machine, replica_model(machine), {.date = "2026-11-23"});
   EXPECT_FALSE(set.verification.load_ready());
@@ -99,7 +102,10 @@ TEST_P(EveryController, TheOtherAnswerGivesAnotherFileAndTheSameMotion) {
     const auto files = controller.emit(there, spacing, {});
     const auto sample = pose_sample(there.volume, model, 100, 0);
     const double right = spread(model, here.chain, sample, *controller.play(files, there)).position_rms_mm;
-    const double wrong = spread(model, here.chain, sample, *controller.play(files, here)).position_rms_mm;
+    // Files made for the cautious answer may be right on both; then those for the other are not.
+    const double wrong = std::max(
+        spread(model, here.chain, sample, *controller.play(files, here)).position_rms_mm,
+        spread(model, here.chain, sample, *controller.play(controller.emit(here, spacing, {}), there)).position_rms_mm);
     const double usual =
         spread(model, here.chain, sample, *controller.play(controller.emit(here, spacing, {}), here)).position_rms_mm;
     EXPECT_NEAR(right, usual, 0.1 * usual + 0.2e-3) << item.key;
