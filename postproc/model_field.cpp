@@ -30,6 +30,8 @@ bool ModelField::bake(const KinematicChain& chain) {
           column != "temperature_C" && std::ranges::find(names_, column) == names_.end())
         return false;
   }
+  // A twentieth of what four decimals of mm can say.
+  const BakeTolerance tolerance{.displacement = Length::micrometres(0.005), .rotation = Angle::microradians(0.02)};
   // A correction's own step may leave the measured range.
   const Angle margin = 0.5 * ErrorSurface::kMargin;
   auto baked = std::make_unique<BakedMap>(
@@ -38,8 +40,8 @@ bool ModelField::bake(const KinematicChain& chain) {
         situation.at = position;
         return at(situation);
       },
-      Range<Angle>{range_.low - margin, range_.high + margin});
-  if (!baked->meets({})) return false;
+      Range<Angle>{range_.low - margin, range_.high + margin}, tolerance);
+  if (!baked->meets(tolerance)) return false;
   baked_ = std::move(baked);
   return true;
 }

@@ -22,7 +22,7 @@ class ModelField : public ErrorField {
 
   /// Bakes the model, for programs of many blocks, if its error depends on nothing but A and C (no rotary
   /// axis on the tool side, where the tool's lever counts) and the bake meets its
-  /// tolerance (0.001 um at 200 mm); says whether it did.
+  /// tolerance (0.005 um at 200 mm); says whether it did.
   bool bake(const KinematicChain& chain);
 
  private:

@@ -33,7 +33,7 @@ Model smooth_model(const Machine& machine) {
   return model;
 }
 
-TEST(ModelField, BakedIsTheModelToAThousandthOfAMicron) {
+TEST(ModelField, BakedIsTheModelToAHundredthOfAMicron) {
   const Machine machine = seed();
   const Model model = smooth_model(machine);
   const Range<Angle> stroke{Angle::degrees(-120), Angle::degrees(30)};
@@ -46,11 +46,11 @@ TEST(ModelField, BakedIsTheModelToAThousandthOfAMicron) {
       Situation situation;
       situation.at = {Angle::degrees(a), Angle::degrees(c)};
       const PoseError meant = direct.at(situation), got = baked.at(situation);
-      EXPECT_LT((meant.translation_mm - got.translation_mm).norm(), 2e-6);
-      EXPECT_LT((meant.rotation_rad - got.rotation_rad).norm(), 1e-8);
+      EXPECT_LT((meant.translation_mm - got.translation_mm).norm(), 1e-5);
+      EXPECT_LT((meant.rotation_rad - got.rotation_rad).norm(), 4e-8);
       const auto slopes = direct.with_slopes(situation), fast = baked.with_slopes(situation);
-      EXPECT_LT((slopes.rotation_by_a - fast.rotation_by_a).norm(), 1e-6) << a << " " << c;
-      EXPECT_LT((slopes.rotation_by_c - fast.rotation_by_c).norm(), 1e-6);
+      EXPECT_LT((slopes.rotation_by_a - fast.rotation_by_a).norm(), 5e-6) << a << " " << c;
+      EXPECT_LT((slopes.rotation_by_c - fast.rotation_by_c).norm(), 5e-6);
     }
 }
 
