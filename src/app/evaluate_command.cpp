@@ -89,7 +89,27 @@ class PositionReader {
   std::vector<std::string_view> fields_;
 };
 
+struct Evaluated {
+  PoseError table;
+  Eigen::Vector3d deviation_mm;
+};
+
+/// Both sums in one pass over the effects; a RangeError gets the place it came from.
+Evaluated evaluated(const Model& model, const Situation& s, const CsvReader& csv) try {
+  PoseError table, relative;
+  for (const EffectPtr& effect : model.effects) {
+    if (effect->origin() != Origin::machine) continue;
+    const PoseError error = effect->at(s);
+    relative += error;
+    if (effect->moves_table()) table += error;
+  }
+  return {table, displacement_mm(relative, s.point_r_mm)};
+} catch (const RangeError& e) {
+  throw RangeError(csv.name() + ":" + std::to_string(csv.line()) + ": " + e.what());
+}
+
 int run(const Options& o, const Talk& talk) {
+  if (talk.json && o.output == "-") throw UsageError("--json and -o - both write to standard output");
   const Machine machine = read_machine(o.machine);
   const Model model = read_model(o.model, machine);
   const std::string text = read_text(o.positions);
@@ -97,11 +117,18 @@ int run(const Options& o, const Talk& talk) {
   const RotaryErrorMap* map = model.rotary_map();
   const bool hold = o.extrapolate == "hold", uncertain = model.has_uncertainty();
   OutputFile output(o.output, {o.machine, o.model, o.positions});
+  std::vector<std::string> results = {"dx_um", "dy_um",   "dz_um",   "Dx_um",  "Dy_um",
+                                      "Dz_um", "Da_urad", "Db_urad", "Dc_urad"};
+  if (uncertain) results.insert(results.end(), {"sdx_um", "sdy_um", "sdz_um", "sd_um"});
+  if (hold) results.emplace_back("extrapolated");
   std::string line;
-  for (const std::string& column : positions.csv().header()) line += column + ",";
-  line += "dx_um,dy_um,dz_um,Dx_um,Dy_um,Dz_um,Da_urad,Db_urad,Dc_urad";
-  if (uncertain) line += ",sdx_um,sdy_um,sdz_um,sd_um";
-  if (hold) line += ",extrapolated";
+  for (const std::string& column : positions.csv().header()) line += (line.empty() ? "" : ",") + column;
+  for (const std::string& column : results) {
+    if (positions.csv().find(column))
+      throw InputError(o.positions, positions.csv().line(),
+                       "header: column " + column + " found, which is a result; positions must not have it");
+    line += "," + column;
+  }
   output.append(line + "\n");
   for (const std::string& column : positions.missing())
     talk.warn(o.positions + ": no column " + column + ", which the model needs: its effects stand at their zero");
@@ -122,8 +149,7 @@ int run(const Options& o, const Talk& talk) {
       extrapolated = true;
       ++held;
     }
-    const PoseError table = table_error(model, s);
-    const Eigen::Vector3d d = deviation_mm(model, s);
+    const auto [table, d] = evaluated(model, s, positions.csv());
     largest = std::max(largest, d.norm());
     line.assign(positions.csv().row_text());
     const auto append = [&](double value) {
@@ -154,6 +180,7 @@ int run(const Options& o, const Talk& talk) {
                                     {"uncertainty", uncertain}};
     std::printf("%s\n", summary.dump(1).c_str());
   }
+  if (o.output == "-") return 0;
   talk.show(std::to_string(rows) + " positions, largest deviation " + formatted("%.3f um\n", 1e3 * largest));
   talk.say("wrote " + o.output);
   return 0;

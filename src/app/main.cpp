@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -6,6 +7,7 @@
 #include "app/command.h"
 #include "app/version.h"
 #include "error.h"
+#include "units/nearest_name.h"
 
 namespace trunnion {
 
@@ -24,6 +26,32 @@ namespace {
 int report(int status, const std::string& text) {
   std::fprintf(stderr, "trunnion: %s\n", text.c_str());
   return status;
+}
+
+/// What is wrong with a command line that CLI11 refused: a misspelled word before whatever it made missing.
+std::string usage_text(const CLI::App& program, const CLI::ParseError& error, const std::vector<std::string>& words) {
+  const auto nearest = [](const std::string& word, const std::vector<std::string>& known) {
+    return "\"" + word + "\" found, the nearest that exists is " + nearest_name(word, known);
+  };
+  std::vector<std::string> commands;
+  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(command->get_name());
+  if (words.empty()) return "a command is wanted (see trunnion --help)";
+  if (words[0][0] != '-' && std::ranges::find(commands, words[0]) == commands.end())
+    return "command: " + nearest(words[0], commands) + " (see trunnion --help)";
+  std::string help = "trunnion --help";
+  for (const CLI::App* command : program.get_subcommands()) {
+    help = "trunnion " + command->get_name() + " --help";
+    std::vector<std::string> options;
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+    for (const std::string& word : command->remaining())
+      if (word.starts_with("--")) return nearest(word.substr(0, word.find('=')), options) + " (see " + help + ")";
+  }
+  std::string text = error.what();
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  return text + " (see " + help + ")";
 }
 
 int run(int argc, char** argv) {
@@ -57,7 +85,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return program.exit(e);
   } catch (const CLI::ParseError& e) {
-    return report(2, std::string(e.what()) + " (see trunnion --help)");
+    return report(2, usage_text(program, e, {argv + 1, argv + argc}));
   }
   for (const Command& command : commands)
     if (command.options->parsed()) return command.run();

@@ -7,6 +7,19 @@
 #include "error.h"
 
 namespace trunnion {
+namespace {
+
+constexpr std::size_t kLongestLine_bytes = std::size_t{1} << 20;
+constexpr double kLargest = 1e15;  ///< what is squared and multiplied later stays finite
+
+std::string shown(std::string_view field) {
+  if (field.empty()) return "nothing";
+  std::string text = "\"";
+  for (const char c : field.substr(0, 40)) text += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  return text + (field.size() > 40 ? "…\"" : "\"");
+}
+
+}  // namespace
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -15,7 +28,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::optional<double> parse_number(std::string_view text) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
@@ -30,6 +43,8 @@ void append_number(std::string& text, double value) {
 }
 
 CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
+  if (rest_.starts_with("\xFF\xFE") || rest_.starts_with("\xFE\xFF"))
+    throw InputError(name_, "UTF-16 found, UTF-8 is wanted");
   if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
   std::string_view line;
   do {
@@ -44,6 +59,8 @@ CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), nam
     header_.push_back(column);
     from = comma + 1;
   }
+  if (header_.size() == 1 && header_[0].find(';') != std::string::npos)
+    throw InputError(name_, line_, "header: semicolons between the columns found, commas are wanted");
 }
 
 bool CsvReader::take_line(std::string_view& line) {
@@ -51,6 +68,9 @@ bool CsvReader::take_line(std::string_view& line) {
   const std::size_t end = std::min(rest_.find('\n'), rest_.size());
   line = rest_.substr(0, end);
   rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  if (line.size() > kLongestLine_bytes)
+    throw InputError(name_, line_ + 1,
+                     "a line of " + std::to_string(line.size()) + " bytes found, no row is that long");
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   ++line_;
   return true;
@@ -84,11 +104,11 @@ bool CsvReader::next(std::vector<std::string_view>& fields) {
 }
 
 double CsvReader::number(std::string_view field, std::size_t column) const {
-  if (const std::optional<double> value = parse_number(field)) return *value;
-  const std::string shown = field.size() > 40 ? std::string(field.substr(0, 40)) + "…" : std::string(field);
-  throw InputError(
-      name_, line_,
-      header_[column] + ": " + (field.empty() ? "nothing" : "\"" + shown + "\"") + " found, a finite number is wanted");
+  const std::optional<double> value = parse_number(field);
+  if (value && std::abs(*value) <= kLargest) return *value;
+  throw InputError(name_, line_,
+                   header_[column] + ": " + shown(field) +
+                       (value ? " found, a number within 1e15 is wanted" : " found, a finite number is wanted"));
 }
 
 }  // namespace trunnion

@@ -79,6 +79,10 @@ Machine parse_machine(std::string_view text, const std::string& name) {
     top.fail("controller", "\"" + machine.controller + "\" found, one of " + list + " is wanted");
   }
   if (auto axes = top.table("axis")) {
+    TomlReader names = *axes;
+    for (const std::string& key : names.keys())
+      if (key.size() != 1 || !machine.axes.contains(key[0]))
+        axes->fail(key, "the structure \"" + code + "\" has no such axis");
     for (auto& [letter, axis] : machine.axes)
       if (auto table = axes->table(std::string(1, letter))) read_axis(*table, axis);
     axes->finish();

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "error.h"
+#include "io/json_text.h"
 #include "io/text_file.h"
 #include "units/nearest_name.h"
 
@@ -44,7 +45,9 @@ json parse_strictly(std::string_view text, const std::string& name) {
       if (static_cast<unsigned char>(c) < 0x20) c = ' ';
     throw InputError(name + ":" + std::to_string(line) + ":" + std::to_string(column) + ": not JSON: " + what);
   } catch (const json::exception& e) {
-    throw InputError(name, std::string("not JSON: ") + e.what());
+    std::string what = e.what();  // "[json.exception.…] number overflow parsing '1e999'"
+    if (const std::size_t bracket = what.find("] "); bracket != std::string::npos) what.erase(0, bracket + 2);
+    throw InputError(name, "not JSON: " + what);
   }
 }
 
@@ -125,7 +128,7 @@ std::string model_text(const Model& model) {
   document["effects"] = json::array();
   for (const EffectPtr& effect : model.effects) document["effects"].push_back(effect->to_json());
   if (model.fit) document["fit"] = *model.fit;
-  return document.dump(1) + "\n";
+  return json_text(document);
 }
 
 void check_same_machine(const Model& model, const Machine& machine, const std::string& name) {

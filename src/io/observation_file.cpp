@@ -195,6 +195,10 @@ class Parser {
         if (at_.point == kAbsent || fields[at_.point].empty())
           fail("point: nothing found, the label of the probed spot is wanted");
         row.direction = unit(fields, at_.normal, {"nx", "ny", "nz"});
+        for (const std::size_t value : {at_.value_um, at_.value_urad})
+          if (optional_number(fields, value, 0) != 0)
+            fail(csv_.header()[value] + ": " + std::string(fields[value]) + " found in a contact, which has no value" +
+                 (at_.kind == kAbsent ? "; the column kind is missing" : ""));
         break;
       case ReadingKind::displacement:
         row.direction = unit(fields, at_.normal, {"nx", "ny", "nz"});
@@ -218,7 +222,10 @@ class Parser {
       case ReadingKind::none:
         break;
     }
-    row.repeat = static_cast<int>(std::clamp(optional_number(fields, at_.repeat, 0), -1e9, 1e9));
+    const double repeat = optional_number(fields, at_.repeat, 0);
+    if (repeat != std::floor(repeat) || std::abs(repeat) > 1e9)
+      fail("repeat: " + std::string(fields[at_.repeat]) + " found, a whole number is wanted");
+    row.repeat = static_cast<int>(repeat);
     row.time_s = optional_number(fields, at_.time, 0);
     row.tilt_sense = sense(fields, at_.a_dir);
     row.turn_sense = sense(fields, at_.c_dir);

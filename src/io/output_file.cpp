@@ -83,6 +83,12 @@ void sync_folder(const std::string& path) {
 }  // namespace
 
 OutputFile::OutputFile(std::string path, const std::vector<std::string>& inputs) : path_(std::move(path)) {
+  if (path_ == "-") {
+    path_ = "standard output";
+    file_ = STDOUT_FILENO;
+    return;
+  }
+  if (path_.empty()) throw UsageError("the output has no name");
   refuse_input(path_, inputs);
   // A link is followed: what it points at is replaced, the link stays.
   std::error_code error;
@@ -90,17 +96,27 @@ OutputFile::OutputFile(std::string path, const std::vector<std::string>& inputs)
     const std::filesystem::path target = std::filesystem::canonical(path_, error);
     if (!error) path_ = target.string();
   }
+  struct stat info {};
+  if (::stat(path_.c_str(), &info) == 0) {
+    if (::access(path_.c_str(), W_OK) != 0) throw cannot_write(path_, std::strerror(errno));
+    if (!S_ISREG(info.st_mode)) {  // a device is written to, never replaced
+      file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+      if (file_ < 0) throw cannot_write(path_, std::strerror(errno));
+      return;
+    }
+    mode_ = info.st_mode & 0777;
+  }
   temporary_ = path_ + ".trunnion-XXXXXX";
   file_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
   if (file_ < 0) throw cannot_write(path_, std::strerror(errno));
   remember(temporary_);
   const mode_t mask = ::umask(0);
   ::umask(mask);
-  ::fchmod(file_, 0666 & ~mask);
+  ::fchmod(file_, mode_ != 0 ? mode_ : 0666 & ~mask);
 }
 
 OutputFile::~OutputFile() {
-  if (file_ >= 0) ::close(file_);
+  if (file_ > STDERR_FILENO) ::close(file_);
   if (!temporary_.empty()) {
     ::unlink(temporary_.c_str());
     forget(temporary_);
@@ -109,7 +125,7 @@ OutputFile::~OutputFile() {
 
 void OutputFile::append(std::string_view text) {
   buffer_ += text;
-  if (buffer_.size() >= (std::size_t{1} << 20)) flush();
+  if (!temporary_.empty() && buffer_.size() >= (std::size_t{1} << 20)) flush();
 }
 
 void OutputFile::flush() {
@@ -130,6 +146,7 @@ std::string OutputFile::written() {
 
 void OutputFile::commit() {
   flush();
+  if (temporary_.empty()) return;
   if (::fsync(file_) != 0) throw cannot_write(path_, std::strerror(errno));
   const int closed = ::close(std::exchange(file_, -1));
   if (closed != 0) throw cannot_write(path_, std::strerror(errno));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,7 +14,7 @@ namespace trunnion {
 class OutputFile {
  public:
   /// Throws UsageError if `path` is one of `inputs`, also by another name or link; InputError if the place cannot be
-  /// written.
+  /// written. "-" is standard output; it, a device and a pipe get their text on commit() alone.
   OutputFile(std::string path, const std::vector<std::string>& inputs);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -30,6 +32,7 @@ class OutputFile {
   std::string path_, temporary_;
   std::string buffer_;
   int file_ = -1;
+  mode_t mode_ = 0;  ///< of the file that is replaced; 0 for a new one
 };
 
 /// OutputFile in one go.

@@ -1,0 +1,49 @@
+#include "io/model_file.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "error.h"
+#include "io/machine_file.h"
+#include "io/sha256.h"
+#include "io/text_file.h"
+
+namespace trunnion {
+namespace {
+
+const Machine kMachine = read_machine(TRUNNION_SOURCE_DIR "/tests/rejected/shared/machine.toml");
+const std::string kModel = read_text(TRUNNION_SOURCE_DIR "/tests/rejected/shared/model.json");
+
+TEST(ModelFile, ReadsBackWhatItWrote) {
+  const Model model = parse_model(kModel, "model.json", kMachine);
+  const std::string written = model_text(model);
+  EXPECT_EQ(model_text(parse_model(written, "model.json", kMachine)), written);
+}
+
+TEST(ModelFile, CarriesTheFitAlong) {
+  nlohmann::json document = nlohmann::json::parse(kModel);
+  document["fit"] = {{"sigma_um", 0.175}, {"outliers", {3, 4}}};
+  const Model model = parse_model(document.dump(), "model.json", kMachine);
+  EXPECT_EQ(nlohmann::json::parse(model_text(model))["fit"], document["fit"]);
+}
+
+TEST(ModelFile, WritesNumbersInShortestFormAndListsOnOneLine) {
+  const std::string written = model_text(parse_model(kModel, "model.json", kMachine));
+  EXPECT_NE(written.find("[0.1, 0.2, -0.3]"), std::string::npos) << written;
+}
+
+TEST(ModelFile, RefusesTheModelOfAnotherSerialNumber) {
+  Machine other = kMachine;
+  other.serial = "R-9";
+  EXPECT_THROW(parse_model(kModel, "model.json", other), RefusalError);
+}
+
+TEST(Sha256, GivesTheDigestsOfTheStandard) {  // FIPS 180-4's own examples: "abc", and 448 bits
+  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+}
+
+}  // namespace
+}  // namespace trunnion
