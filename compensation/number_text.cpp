@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace trunnion {
+namespace trunnion::inline table_text {
 
 std::string fixed_text(double value, int decimals) {
   char buffer[400];
@@ -70,4 +70,4 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(start, text.find_last_not_of(" \t\r") - start + 1);
 }
 
-}  // namespace trunnion
+}  // namespace trunnion::inline table_text

@@ -5,7 +5,8 @@
 #include <string_view>
 #include <vector>
 
-namespace trunnion {
+// Inline: other parts have words of the same names, and parts side by side do not know each other.
+namespace trunnion::inline table_text {
 
 /// `value` with `decimals` digits after the point, never "-0".
 std::string fixed_text(double value, int decimals);
@@ -24,4 +25,4 @@ std::vector<std::string_view> words_of(std::string_view line);
 std::vector<std::string_view> lines_of(std::string_view text);
 std::string_view trimmed(std::string_view text);
 
-}  // namespace trunnion
+}  // namespace trunnion::inline table_text

@@ -34,6 +34,7 @@ struct Command {
 };
 Command identify_command(CLI::App& program, const Talk& talk);
 Command evaluate_command(CLI::App& program, const Talk& talk);
+Command tables_command(CLI::App& program, const Talk& talk);
 Command correct_command(CLI::App& program, const Talk& talk);
 Command close_command(CLI::App& program, const Talk& talk);
 

@@ -68,6 +68,7 @@ int run(int argc, char** argv) {
            evaluate_command,
            correct_command,
            close_command,
+           tables_command,
        })
     commands.push_back(add(program, talk));
   for (const Command& command : commands) {
