@@ -4,7 +4,7 @@
 #   cmake/install-dependencies.sh [GROUP …]
 #
 # Without a group: what building and testing need. Further groups:
-#   linuxcnc   the LinuxCNC interpreter and simulator, against which programs and tables are tested
+#   linuxcnc   the LinuxCNC interpreter, simulator and headers, against which programs and tables are tested
 #   browser    headless Chromium, for the tests of the report
 #   develop    clang, its tools and sanitizer run-times, valgrind: presets tidy and fuzz
 set -euo pipefail
@@ -16,7 +16,7 @@ packages_of() {
         libeigen3-dev libcgal-dev libboost-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
         libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
       ;;
-    linuxcnc) echo linuxcnc-uspace ;;
+    linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     browser) echo chromium nodejs npm ;;
     develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind ;;
     *)
@@ -50,5 +50,9 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 echo "install-dependencies.sh: installing ${missing[*]}" >&2
 apt=("${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Acquire::Retries=3 -o Dpkg::Use-Pty=0)
-"${apt[@]}" update </dev/null >&2
-"${apt[@]}" install --no-install-recommends "${missing[@]}" </dev/null >&2
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! { "${apt[@]}" update && "${apt[@]}" install --no-install-recommends "${missing[@]}"; } </dev/null >"$log" 2>&1; then
+  cat "$log" >&2
+  exit 1
+fi

@@ -53,7 +53,7 @@ step "3. A five-axis program, corrected"
 run correct --machine samples/calibrate/machine.toml --model "$out/model.json" --job samples/correct/job.toml \
   samples/correct/part.ngc -o "$out/corrected.ngc" --report "$out/report.json"
 echo
-echo "As programmed (<) and corrected (>), the first blocks that differ:"
-diff samples/correct/part.ngc "$out/corrected.ngc" | sed -n '1,24p' || true
+echo "As programmed and as corrected, the first blocks that differ:"
+diff --side-by-side --suppress-common-lines --width=120 samples/correct/part.ngc "$out/corrected.ngc" | head -n 14 || true
 
 printf '\nThe results are in %s.\n' "$out"
