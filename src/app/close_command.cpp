@@ -10,6 +10,7 @@
 #include "io/machine_file.h"
 #include "io/model_file.h"
 #include "io/observation_file.h"
+#include "io/observed_ranges.h"
 #include "io/output_file.h"
 
 namespace trunnion {
@@ -98,7 +99,8 @@ int run(const Options& o, const Talk& talk) {
   result.model.fit = std::make_shared<nlohmann::json>(nlohmann::json{{"method", "closure"},
                                                                      {"verdict", closure["verdict"]},
                                                                      {"before", closure["before"]},
-                                                                     {"after", closure["after"]}});
+                                                                     {"after", closure["after"]},
+                                                                     {"observed", observed_json(all)}});
   for (const std::size_t i : result.outliers)
     talk.warn(all.place(result.problem.readings[i].row) + ": left out as an outlier" +
               formatted(" (residual %.2f um); touch that spot again", 1e3 * result.residual_after[i]));

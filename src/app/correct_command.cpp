@@ -16,6 +16,7 @@
 #include "io/job_file.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
+#include "io/observed_ranges.h"
 #include "io/output_file.h"
 #include "io/sha256.h"
 #include "io/text_file.h"
@@ -204,6 +205,13 @@ int run(const Options& o, const Talk& talk) {
       talk.warn(column + " is not known for this job: effects that depend on it stand at their zero");
   const Range<Angle> stroke =
       machine.tilt().range_angle.value_or(Range<Angle>{Angle::degrees(-360), Angle::degrees(360)});
+  const ObservedRanges observed = observed_ranges(model);
+  for (auto& [column, value] : job.covariates)
+    if (const double end = held(observed, column, value); end != value) {
+      talk.warn(column + ": " + formatted("%.6g", value) + " of this job was never observed; held at " +
+                formatted("%.6g", end));
+      value = end;
+    }
   ModelField field(model, job.covariates, stroke);
   if (file_size(o.input) > kWorthBaking_bytes) field.bake(chain);
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "app/command.h"
 #include "app/text_table.h"
@@ -12,6 +13,7 @@
 #include "io/csv.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
+#include "io/observed_ranges.h"
 #include "io/output_file.h"
 #include "io/text_file.h"
 #include "model/effects/rotary_error_map.h"
@@ -28,7 +30,7 @@ struct Options {
 class PositionReader {
  public:
   PositionReader(std::string_view text, const std::string& name, const Machine& machine, const Model& model)
-      : csv_(text, name), tilt_(1, machine.tilt_letter()) {
+      : csv_(text, name), tilt_(1, machine.tilt_letter()), observed_(observed_ranges(model)) {
     const auto wanted = [&](const std::string& column) {
       const auto found = csv_.find(column);
       if (!found)
@@ -60,7 +62,13 @@ class PositionReader {
     s.point_r_mm = {number(x_), number(y_), number(z_)};
     for (std::size_t k = 0; k < covariates_.size(); ++k) {
       const auto& [column, index] = covariates_[k];
-      const double value = number(index);
+      if (fields_[index].empty()) {  // not known: the effect stands at its zero
+        blank_.insert(column);
+        extra_values_[k] = 0;
+        continue;
+      }
+      const double told = number(index), value = held(observed_, column, told);
+      if (value != told) held_.insert(column);
       extra_values_[k] = value;
       if (column == "time_s") s.time_s = value;
       if (column == "temperature_C") s.temperature_C = value;
@@ -77,11 +85,16 @@ class PositionReader {
 
   const CsvReader& csv() const { return csv_; }
   const std::vector<std::string>& missing() const { return missing_; }
+  /// Covariates that were blank in some row, and those beyond what was observed in some row.
+  const std::set<std::string>& blank() const { return blank_; }
+  const std::set<std::string>& held_at_end() const { return held_; }
   std::string tilt_text() const { return std::string(fields_[a_]); }
 
  private:
   CsvReader csv_;
   std::string tilt_;
+  ObservedRanges observed_;
+  std::set<std::string> blank_, held_;
   std::size_t a_ = 0, c_ = 0, x_ = 0, y_ = 0, z_ = 0;
   std::vector<std::pair<std::string, std::size_t>> covariates_;
   std::vector<std::string> missing_, extra_names_;
@@ -169,6 +182,10 @@ int run(const Options& o, const Talk& talk) {
     ++rows;
   }
   output.commit();
+  for (const std::string& column : positions.blank())
+    talk.warn(o.positions + ": " + column + " is blank in some rows: its effects stand at their zero there");
+  for (const std::string& column : positions.held_at_end())
+    talk.warn(o.positions + ": " + column + " goes beyond what was observed: its effects are held at the end there");
   if (held > 0)
     talk.warn(std::to_string(held) +
               " rows lie outside the probed tilt; the map's end was held for them (column extrapolated)");
@@ -177,6 +194,8 @@ int run(const Options& o, const Talk& talk) {
                                     {"extrapolated", held},
                                     {"largest_deviation_um", 1e3 * largest},
                                     {"at_zero_for_want_of", positions.missing()},
+                                    {"blank", positions.blank()},
+                                    {"held", positions.held_at_end()},
                                     {"uncertainty", uncertain}};
     std::printf("%s\n", summary.dump(1).c_str());
   }

@@ -9,6 +9,7 @@
 #include "io/machine_file.h"
 #include "io/model_file.h"
 #include "io/observation_file.h"
+#include "io/observed_ranges.h"
 #include "io/output_file.h"
 
 namespace trunnion {
@@ -111,7 +112,8 @@ int run(const Options& o, const Talk& talk) {
   IdentificationOptions options{.robust = !o.no_robust, .fill = o.fill, .interpolation = o.interpolation};
   options.method = o.method == "two-step" ? IdentificationMethod::two_step : IdentificationMethod::joint;
   IdentificationResult result = identify(observations, machine, options);
-  const nlohmann::json fit = identification_json(result, machine, {o.machine, o.observations});
+  nlohmann::json fit = identification_json(result, machine, {o.machine, o.observations});
+  fit["observed"] = observed_json(observations);
   result.model.fit = std::make_shared<nlohmann::json>(fit);
   warn(result, talk, machine.tilt_letter());
   talk.show(summary(result, machine));
