@@ -35,6 +35,7 @@ struct Command {
 Command identify_command(CLI::App& program, const Talk& talk);
 Command evaluate_command(CLI::App& program, const Talk& talk);
 Command tables_command(CLI::App& program, const Talk& talk);
+Command predict_command(CLI::App& program, const Talk& talk);
 Command correct_command(CLI::App& program, const Talk& talk);
 Command close_command(CLI::App& program, const Talk& talk);
 

@@ -66,6 +66,7 @@ int run(int argc, char** argv) {
   for (const auto& add : {
            identify_command,
            evaluate_command,
+           predict_command,
            correct_command,
            close_command,
            tables_command,
