@@ -7,7 +7,7 @@ A case is a folder with a README whose first line says what it is about, a file 
 {case} are replaced) and
   golden:    expected/ with every file that must be written, byte for byte;
   rejected:  message, what must stand on standard error (with {case} for its folder), and status, 2 unless the file says 1;
-             nothing may be written.
+             nothing may be written, nor printed on standard output.
 Commands run in an empty folder. `--update` in place of CASE writes expected/ and message anew: read the difference before it is
 committed.
 """
@@ -57,6 +57,8 @@ def check_rejected(result, files, case, update):
         return f"exit status {result.returncode}, expected {status}: {message.strip()}"
     if files:
         return f"wrote {sorted(files)}"
+    if result.stdout:
+        return f"printed {result.stdout[:80]!r}"
     expected = (case / "message").read_text()
     return None if message == expected else f"said {message!r}, expected {expected!r}"
 

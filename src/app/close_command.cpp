@@ -104,13 +104,13 @@ int run(const Options& o, const Talk& talk) {
   for (const std::size_t i : result.outliers)
     talk.warn(all.place(result.problem.readings[i].row) + ": left out as an outlier" +
               formatted(" (residual %.2f um); touch that spot again", 1e3 * result.residual_after[i]));
-  talk.show(summary(result));
-  if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
   OutputFolder folder(o.output, inputs);
   folder.add("closure.json", closure.dump(1) + "\n");
   folder.add("model.json", model_text(result.model));
   folder.add("residuals.csv", residual_csv(result, machine.tilt_letter()));
   folder.commit();
+  talk.show(summary(result));
+  if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
   talk.say("wrote " + o.output + "/closure.json, model.json, residuals.csv");
   return 0;
 }

@@ -116,9 +116,9 @@ int run(const Options& o, const Talk& talk) {
   fit["observed"] = observed_json(observations);
   result.model.fit = std::make_shared<nlohmann::json>(fit);
   warn(result, talk, machine.tilt_letter());
+  write_whole(o.output, model_text(result.model), {o.machine, o.observations});
   talk.show(summary(result, machine));
   if (talk.json) std::printf("%s\n", fit.dump(1).c_str());
-  write_whole(o.output, model_text(result.model), {o.machine, o.observations});
   talk.say("wrote " + o.output);
   return 0;
 }
