@@ -3,6 +3,7 @@
 # Components: runtime is what somebody at a machine needs (program, machine files, samples, documents), development what
 # somebody needs who links the parts.
 include(CMakePackageConfigHelpers)
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # a package of the program needs no tests to be built
 
 get_property(parts GLOBAL PROPERTY TRUNNION_PARTS)
 list(TRANSFORM parts PREPEND trunnion_ OUTPUT_VARIABLE part_targets)

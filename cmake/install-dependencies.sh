@@ -6,6 +6,7 @@
 # Without a group: what building and testing need. Further groups:
 #   linuxcnc   the LinuxCNC interpreter, simulator and headers, against which programs and tables are tested
 #   browser    headless Chromium, for the tests of the report
+#   package    what cpack needs for the Debian package
 #   develop    clang, its tools and sanitizer run-times, valgrind: presets tidy and fuzz
 set -euo pipefail
 
@@ -18,9 +19,10 @@ packages_of() {
       ;;
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     browser) echo chromium nodejs npm ;;
+    package) echo dpkg-dev file ;;
     develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind ;;
     *)
-      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, develop" >&2
+      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, package, develop" >&2
       return 2
       ;;
   esac
