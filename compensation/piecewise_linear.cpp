@@ -20,7 +20,7 @@ std::vector<double> PiecewiseLinear::sample_points(int between) const {
   return points;
 }
 
-Eigen::MatrixXd PiecewiseLinear::projector(const std::vector<double>& points) const {
+Eigen::MatrixXd PiecewiseLinear::projector(const std::vector<double>& points, std::optional<std::size_t> pinned) const {
   const auto n = static_cast<Eigen::Index>(nodes_.size());
   const auto m = static_cast<Eigen::Index>(points.size());
   const Eigen::Index unknowns = boundary_ == Boundary::repeat ? n - 1 : n;
@@ -33,7 +33,9 @@ Eigen::MatrixXd PiecewiseLinear::projector(const std::vector<double>& points) co
     hats(s, i) += 1 - u;
     hats(s, (i + 1) % unknowns) += u;
   }
-  const Eigen::MatrixXd normal = hats.transpose() * hats;
+  if (pinned) hats.col(static_cast<Eigen::Index>(*pinned) % unknowns).setZero();
+  Eigen::MatrixXd normal = hats.transpose() * hats;
+  if (pinned) normal(static_cast<Eigen::Index>(*pinned) % unknowns, static_cast<Eigen::Index>(*pinned) % unknowns) = 1;
   Eigen::MatrixXd projected(n, m);
   projected.topRows(unknowns) = normal.llt().solve(hats.transpose());
   if (unknowns < n) projected.row(n - 1) = projected.row(0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace trunnion {
@@ -23,7 +24,8 @@ class PiecewiseLinear {
   /// The points at which a function is to be sampled: the nodes and `between` points in every gap.
   std::vector<double> sample_points(int between) const;
   /// P for samples at `points`: nodes x points; with Boundary::repeat first and last row agree.
-  Eigen::MatrixXd projector(const std::vector<double>& points) const;
+  /// Where the control counts from one of the nodes, that one is `pinned` to zero and the others do what they can.
+  Eigen::MatrixXd projector(const std::vector<double>& points, std::optional<std::size_t> pinned = {}) const;
 
  private:
   std::vector<double> nodes_;

@@ -119,31 +119,55 @@ double reversal_rad(const CompensationTask& task, char axis) {
 }
 
 OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
-                        const std::vector<double>& turn_at_deg) {
+                        const std::vector<double>& turn_at_deg, const EffectPtr& constants) {
   const Matrix6d metric = volume_metric(task.volume);
   const auto rows = static_cast<Eigen::Index>(tilt_at_deg.size());
   const auto columns = static_cast<Eigen::Index>(turn_at_deg.size());
-  // Normal equations of  sum_ij |e_ij + a_ij f_i + c_ij g_j|^2  in the metric, solved by turns: f given g, g given f.
-  Eigen::MatrixXd aa(rows, columns), ac(rows, columns), cc(rows, columns), ae(rows, columns), ce(rows, columns);
-  for (Eigen::Index i = 0; i < rows; ++i)
+  const auto m = constants == nullptr ? Eigen::Index{0} : static_cast<Eigen::Index>(constants->parameters().size());
+  // Normal equations of  sum_ij |e_ij + a_ij f_i + c_ij g_j - B_ij x|^2  in the metric. Rows of A are eliminated one by
+  // one: what remains is small and dense in g and x.
+  const Eigen::Index unknowns = columns + m;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
+  Eigen::MatrixXd coupling(rows, unknowns);
+  Eigen::VectorXd tilt_weight = Eigen::VectorXd::Zero(rows), tilt_right = Eigen::VectorXd::Zero(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    Eigen::RowVectorXd coupled = Eigen::RowVectorXd::Zero(unknowns);
     for (Eigen::Index j = 0; j < columns; ++j) {
       const IndexedPosition at{Angle::degrees(tilt_at_deg[static_cast<std::size_t>(i)]),
                                Angle::degrees(turn_at_deg[static_cast<std::size_t>(j)])};
       const Situation s = in_the_middle(task, at);
-      const Vector6d error = metric * rotary_part(task, at).vector();
+      const Vector6d error = rotary_part(task, at).vector();
       const Vector6d a = joint_rotation(task.chain, task.chain.tilt_index(), s);
-      const Vector6d c = joint_rotation(task.chain, task.chain.turn_index(), s);
-      aa(i, j) = a.dot(metric * a), ac(i, j) = a.dot(metric * c), cc(i, j) = c.dot(metric * c);
-      ae(i, j) = a.dot(error), ce(i, j) = c.dot(error);
+      Matrix6Xd rest(6, 1 + m);
+      rest.col(0) = joint_rotation(task.chain, task.chain.turn_index(), s);
+      if (m > 0) {
+        rest.rightCols(m) = -constants->basis(s);
+        for (Eigen::Index k = 0; k < m; ++k)
+          if (constants->parameters()[static_cast<std::size_t>(k)].unit != Unit::um) rest.col(1 + k).setZero();
+      }
+      tilt_weight[i] += a.dot(metric * a);
+      tilt_right[i] -= a.dot(metric * error);
+      const Eigen::MatrixXd weighted = rest.transpose() * metric;
+      const Eigen::MatrixXd inner = weighted * rest;
+      const Eigen::VectorXd outer = weighted * a, wanted = -weighted * error;
+      coupled[j] += outer[0];
+      coupled.tail(m) += outer.tail(m).transpose();
+      normal(j, j) += inner(0, 0);
+      normal.block(j, columns, 1, m) += inner.block(0, 1, 1, m);
+      normal.block(columns, j, m, 1) += inner.block(1, 0, m, 1);
+      normal.bottomRightCorner(m, m) += inner.bottomRightCorner(m, m);
+      right[j] += wanted[0];
+      right.tail(m) += wanted.tail(m);
     }
-  Eigen::VectorXd f = Eigen::VectorXd::Zero(rows), g = Eigen::VectorXd::Zero(columns);
-  for (int round = 0; round < 200; ++round) {
-    const Eigen::VectorXd before = f;
-    f = -((ae + ac * g.asDiagonal()).rowwise().sum()).cwiseQuotient(aa.rowwise().sum());
-    g = -((ce + f.asDiagonal() * ac).colwise().sum().transpose()).cwiseQuotient(cc.colwise().sum().transpose());
-    if ((f - before).lpNorm<Eigen::Infinity>() < 1e-13) break;
+    coupling.row(i) = coupled;
+    normal -= coupled.transpose() * coupled / tilt_weight[i];
+    right -= coupled.transpose() * (tilt_right[i] / tilt_weight[i]);
   }
-  return {{f.begin(), f.end()}, {g.begin(), g.end()}};
+  normal.diagonal().array() += 1e-9 * normal.diagonal().mean();  // angles that are left out, and f against g
+  const Eigen::VectorXd solved = normal.ldlt().solve(right);
+  const Eigen::VectorXd f = (tilt_right - coupling * solved).cwiseQuotient(tilt_weight);
+  return {{f.begin(), f.end()}, {solved.begin(), solved.begin() + columns}, solved.tail(m)};
 }
 
 PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,

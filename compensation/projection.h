@@ -38,9 +38,12 @@ double reversal_rad(const CompensationTask& task, char axis);
 struct OwnAxisFit {
   std::vector<double> tilt_rad;
   std::vector<double> turn_rad;
+  Eigen::VectorXd constants;  ///< how far the axes stand from where the control believes, where it can be told
 };
+/// With `constants`, an effect of parameters that the control can be told, its lengths are fitted alongside and its
+/// angles left zero.
 OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
-                        const std::vector<double>& turn_at_deg);
+                        const std::vector<double>& turn_at_deg, const EffectPtr& constants = nullptr);
 
 /// What five axes add where each may do anything over (A, C), and the linear ones besides move in proportion to their
 /// own places: the best of a format with tables over pairs of axes. Rows run over A, columns over C.
