@@ -267,6 +267,32 @@ class Collected {
 
 }  // namespace
 
+std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSettings& settings, double step_mm,
+                                       double step_deg) {
+  Lines lines(program());
+  PlainPlayer player(settings);
+  std::vector<PlayedPlace> places;
+  std::string line;
+  for (std::uint64_t number = 1; lines.next(line); ++number) {
+    const std::optional<Move> move = player.play(line);
+    if (!move || !move->feed) continue;
+    int pieces = 1;
+    if (known(move->from)) {
+      double steps = 1;
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        double way = std::abs(move->to[i] - move->from[i]);
+        if (move->arc && i < 3)
+          way += std::abs(move->sweep_rad) * std::hypot(move->from[move->first] - move->centre_first,
+                                                        move->from[move->second] - move->centre_second);
+        steps = std::max(steps, way / (i < 3 ? step_mm : step_deg));
+      }
+      pieces = static_cast<int>(std::min(std::ceil(steps), 1e6));
+    }
+    for (int k = 1; k <= pieces; ++k) places.push_back({number, move->at(static_cast<double>(k) / pieces)});
+  }
+  return places;
+}
+
 PlaybackResult play_back(const OpenProgram& original, const OpenProgram& corrected, const Corrector& with_tcp,
                          const Corrector& without_tcp, const ProgramCorrection& how,
                          const ProgramCorrectionResult& correction) {

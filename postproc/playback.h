@@ -21,6 +21,17 @@ struct PlaybackResult {
   PathError after;            ///< of what was written
 };
 
+/// A place of a program's feed moves.
+struct PlayedPlace {
+  std::uint64_t line = 0;
+  AxisValues at{};  ///< work offset included, mm and deg
+};
+
+/// Where a program goes at feed, by the same plain reader: the ends of its moves and as many places between as keep two
+/// of them within `step_mm` and `step_deg`. Moves with an axis not yet known are passed over. Dialect linuxcnc.
+std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSettings& settings, double step_mm,
+                                       double step_deg);
+
 /// Plays a program and its correction on the machine as the correctors' field tells it, by a second, plain reader that
 /// shares no code with the scan, and compares where the tool goes with where the nominal machine would have brought it.
 /// `correction` says only which lines were inserted. Dialect linuxcnc. Throws InputError where the two programs do not

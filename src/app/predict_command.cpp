@@ -12,7 +12,9 @@
 #include "app/command.h"
 #include "app/text_table.h"
 #include "compensation/controller.h"
+#include "compensation/verification.h"
 #include "error.h"
+#include "io/job_file.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
 #include "io/output_file.h"
@@ -22,14 +24,16 @@
 #include "model/effects/rotary_error_map.h"
 #include "postproc/correction.h"
 #include "postproc/model_field.h"
+#include "postproc/playback.h"
 #include "testpiece/part_view.h"
+#include "testpiece/piece_program.h"
 #include "testpiece/plots.h"
 
 namespace trunnion {
 namespace {
 
 struct Options {
-  std::string machine, model, piece, measured, tables, output;
+  std::string machine, model, piece, program, job, measured, tables, output;
   bool corrected = false, first_order = false, sensitivity = false;
   double filter_upr = 0, magnify = 0;
   int draws = 2000;
@@ -58,17 +62,23 @@ class Prediction {
         chain_(machine_),
         surface_(evaluated_surface(piece_)),
         output_(o_.output, inputs()) {
-    path_ = flank_milling_path(piece_, chain_, {.steps_per_turn = o_.steps});
+    if (!o_.job.empty()) read_covariates();
+    planned_ = flank_milling_path(piece_, chain_, {.steps_per_turn = o_.steps});
+    program_ = o_.program.empty() ? piece_program(piece_, planned_, machine_.tilt_letter()) : read_text(o_.program);
+    path_ = o_.program.empty() ? planned_ : path_of(program_, o_.program);
     if (o_.filter_upr > 0) evaluation_.filter_upr = o_.filter_upr;
   }
 
   int run() {
+    if (o_.first_order && (!o_.program.empty() || o_.corrected))
+      throw UsageError("--first-order: it takes the planned path; programs are cut by the envelope");
     check_reach();
     tell_unknown();
     cut("uncompensated", path_);
     if (!o_.tables.empty()) cut("tables", under_tables());
     if (o_.corrected) {
-      cut("corrected", corrected());
+      corrected_program_ = corrected();
+      cut("corrected", path_of(corrected_program_, "the corrected program"));
       cut("ideal", ideal());
     }
     spread();
@@ -80,7 +90,8 @@ class Prediction {
  private:
   std::vector<std::string> inputs() const {
     std::vector<std::string> list = {o_.machine, o_.model, o_.piece};
-    if (!o_.measured.empty()) list.push_back(o_.measured);
+    for (const std::string* more : {&o_.measured, &o_.program, &o_.job})
+      if (!more->empty()) list.push_back(*more);
     return list;
   }
 
@@ -104,7 +115,9 @@ class Prediction {
   void tell_unknown() {
     const std::string tilt_dir = std::string(1, machine_.tilt_letter()) + "_dir";
     for (const std::string& column : needed_covariates(model_)) {
-      if (column == tilt_dir || column == "C_dir" || (column == "time_s" && piece_.feed_mm_per_min)) continue;
+      if (column == tilt_dir || column == "C_dir" || job_.covariates.contains(column) ||
+          (column == "time_s" && piece_.feed_mm_per_min))
+        continue;
       notes_.push_back("effects of " + column + " stand at their zero: the piece does not tell it" +
                        (column == "time_s" ? " (path.feed_mm_per_min would)" : ""));
     }
@@ -113,7 +126,7 @@ class Prediction {
 
   void cut(const std::string& name, std::vector<ToolPosition> path) {
     Cut made{.name = name, .path = std::move(path)};
-    made.tools = actual_tools(made.path, chain_, model_, piece_.tool.length);
+    made.tools = actual_tools(made.path, chain_, model_, piece_.tool.length, known_);
     made.found.deviation_mm = o_.first_order ? first_order_deviation_mm(piece_, surface_, made.path, made.tools)
                                              : envelope_deviation_mm(piece_, surface_, made.tools);
     made.found.evaluation =
@@ -140,61 +153,106 @@ class Prediction {
 
   std::vector<ToolPosition> ideal() const {
     return recommanded([&](ToolPosition& p) {
-      apply(p, ideal_correction(model_, chain_, machine_.limits, situation_at(p, piece_.tool.length)));
+      apply(p, ideal_correction(model_, chain_, machine_.limits, situation_at(p, piece_.tool.length, known_)));
     });
   }
 
-  /// As `correct` would change the commands, block by block, without the rounding of a text.
-  std::vector<ToolPosition> corrected() const {
-    const Range<Angle> stroke =
-        machine_.tilt().range_angle.value_or(Range<Angle>{Angle::degrees(-180), Angle::degrees(180)});
-    const ModelField field(model_, {}, stroke);
-    const Corrector corrector(chain_, field,
-                              {.tcp = ToolCentrePoint::on,
-                               .largest_rotary_change = machine_.limits.rotary_word,
-                               .tool_length_mm = piece_.tool.length.in_millimetres()});
-    return recommanded([&](ToolPosition& p) {
-      const Commanded programmed{p.nominal.tip_w_mm, p.at, p.tilt_sense, p.turn_sense};
-      const RotaryCorrection rotary = corrector.rotary(programmed);
-      const IndexedPosition to{p.at.a + rotary.da, p.at.c + rotary.dc};
-      const Corrector::Linear linear = corrector.linear(programmed, to);
-      const double tilt_rad = linear.error.rotation_rad.norm();
-      if (linear.deviation_mm > machine_.limits.deviation.in_millimetres() ||
-          tilt_rad > machine_.limits.tilt.in_radians())
-        throw RefusalError("correction at phi " + degrees(Angle::radians(p.phi_rad)) + " deg: a deviation of " +
-                           formatted("%.1f", 1e3 * linear.deviation_mm) + " um and a tilt of " +
-                           formatted("%.1f", 1e6 * tilt_rad) + " urad; the machine's limits are " +
-                           formatted("%.1f", machine_.limits.deviation.in_micrometres()) + " um and " +
-                           formatted("%.1f", machine_.limits.tilt.in_microradians()) + " urad");
-      p.at = to;
-      p.tip_r_mm = chain_.r_from_w(to) * (programmed.xyz_mm + linear.change_mm);
-    });
+  ScanSettings scan_settings() const {
+    ScanSettings scan{.work_offsets_mm = job_.work_offsets_mm, .tcp = machine_.tcp == "on"};
+    scan.letters[kTilt] = machine_.tilt_letter();
+    // The planned program is written with its tip in W, whatever the machine's own programs do.
+    if (o_.program.empty()) scan.tcp = scan.tcp_forced = true;
+    return scan;
+  }
+
+  static OpenProgram opened(const std::string& text) {
+    return [&text] {
+      return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
+        const std::size_t taken = text.copy(buffer, size, at);
+        at += taken;
+        return taken;
+      };
+    };
+  }
+
+  /// Where a program puts the tool, read from its text.
+  std::vector<ToolPosition> path_of(const std::string& program, const std::string& name) const {
+    constexpr double kStep_mm = 0.1, kStep_deg = 0.1;
+    const ScanSettings scan = scan_settings();
+    const ModelField field(model_, job_.covariates, stroke());
+    const Corrector nominal(chain_, field, settings(scan.tcp ? ToolCentrePoint::on : ToolCentrePoint::off));
+    const Eigen::Isometry3d cone_from_w = w_from_cone(piece_.cone).inverse(Eigen::Isometry);
+    std::vector<ToolPosition> path;
+    for (const PlayedPlace& place : played_places(opened(program), scan, kStep_mm, kStep_deg)) {
+      const Commanded commanded{{place.at[0], place.at[1], place.at[2]},
+                                {Angle::degrees(place.at[kTilt]), Angle::degrees(place.at[kTurn])}};
+      ToolPosition p{.at = commanded.rotary, .tip_r_mm = nominal.nominal_tip_r(commanded)};
+      p.nominal.tip_w_mm = nominal.nominal_tip_w(commanded);
+      p.nominal.axis_w =
+          chain_.r_from_w(p.at).linear().transpose() * (chain_.r_from_t(p.at).linear() * Eigen::Vector3d::UnitZ());
+      const Eigen::Vector3d in_cone =
+          cone_from_w * (p.nominal.tip_w_mm + piece_.tool.overhang.in_millimetres() * p.nominal.axis_w);
+      p.phi_rad = std::atan2(in_cone.y(), in_cone.x());
+      path.push_back(p);
+    }
+    if (path.empty()) throw InputError(name, "no block that moves at feed with every axis known");
+    set_senses(path, chain_, piece_.tool.length);
+    return path;
+  }
+
+  Range<Angle> stroke() const {
+    return machine_.tilt().range_angle.value_or(Range<Angle>{Angle::degrees(-180), Angle::degrees(180)});
+  }
+
+  CorrectionSettings settings(ToolCentrePoint tcp) const {
+    return {.tcp = tcp,
+            .largest_rotary_change = machine_.limits.rotary_word,
+            .tool_length_mm = piece_.tool.length.in_millimetres()};
+  }
+
+  /// The text that `correct` would write.
+  std::string corrected() const {
+    const ModelField field(model_, job_.covariates, stroke());
+    const Corrector with_tcp(chain_, field, settings(ToolCentrePoint::on));
+    const Corrector without_tcp(chain_, field, settings(ToolCentrePoint::off));
+    ProgramCorrection how;
+    how.scan = scan_settings();
+    how.guard = guard_of(machine_);
+    how.name = o_.program.empty() ? "the planned program" : o_.program;
+    how.header = "machine " + machine_.name + ", serial " + machine_.serial;
+    std::string text;
+    correct_program(
+        opened(program_), [&](std::string_view part) { text += part; }, with_tcp, without_tcp, how);
+    return text;
+  }
+
+  void read_covariates() {
+    job_ = read_job(o_.job);
+    for (const auto& [name, value] : job_.covariates) {
+      if (name == "time_s") known_.time_s = value;
+      if (name == "temperature_C") known_.temperature_C = value;
+      names_.push_back(name);
+      values_.push_back(value);
+    }
+    known_.extra = {&names_, values_.data()};
   }
 
   /// The tables of a folder, read back and played on the control that its verification.json names.
   std::vector<ToolPosition> under_tables() const {
     namespace fs = std::filesystem;
-    const std::string verification = o_.tables + "/verification.json";
-    std::string name;
-    try {
-      name = nlohmann::json::parse(read_text(verification)).at("controller").get<std::string>();
-    } catch (const nlohmann::json::exception&) {
-      throw InputError(verification, "\"controller\" is not told; a folder written by trunnion tables is wanted");
-    }
-    const Controller& controller = controller_named(name);
+    if (!fs::is_directory(o_.tables)) throw InputError(o_.tables, "a folder written by trunnion tables is wanted");
     std::vector<TableFile> files;
     for (const auto& entry : fs::recursive_directory_iterator(o_.tables))
       if (entry.is_regular_file())
         files.push_back({fs::relative(entry.path(), o_.tables).generic_string(), read_text(entry.path().string())});
     std::ranges::sort(files, {}, &TableFile::name);
-    const CompensationTask task(machine_, model_, {.tool_length = piece_.tool.length}, controller.questions);
-    const std::unique_ptr<PlayedCompensation> played = controller.play(files, task);
-    return recommanded([&](ToolPosition& p) { apply(p, played->at(situation_at(p, piece_.tool.length))); });
+    const std::unique_ptr<PlayedCompensation> played = play_tables(files, machine_, model_);
+    return recommanded([&](ToolPosition& p) { apply(p, played->at(situation_at(p, piece_.tool.length, known_))); });
   }
 
   void spread() {
     if (!model_.has_uncertainty() || o_.draws == 0) return;
-    const DeviationSpread spread(piece_, surface_, path_, chain_, model_);
+    const DeviationSpread spread(piece_, surface_, planned_, chain_, model_, known_);
     if (spread.empty()) return;
     const bool visible = isatty(STDERR_FILENO) == 1 && !talk_.quiet;
     for (Cut& c : cuts_) {
@@ -234,6 +292,8 @@ class Prediction {
     output_.add("deviations.csv",
                 deviations_text(surface_, asked().found, cuts_.size() > 1 ? &uncompensated().found : nullptr));
     for (const Cut& c : cuts_) write_views(c);
+    if (o_.program.empty()) output_.add("program.ngc", program_);
+    if (o_.corrected) output_.add("program_corrected.ngc", corrected_program_);
     std::vector<std::vector<ConeTrace>> traces;
     for (const Cut& c : cuts_) traces.push_back(traces_of(piece_, surface_, c.found.deviation_mm));
     for (std::size_t j = 0; j < surface_.h_mm.size(); ++j) {
@@ -308,7 +368,13 @@ class Prediction {
   SurfaceGrid surface_;
   OutputFolder output_;
   EvaluationOptions evaluation_;
-  std::vector<ToolPosition> path_;
+  Job job_;
+  Situation known_;  ///< what the job tells of the moment
+  std::vector<std::string> names_;
+  std::vector<double> values_;
+  std::vector<ToolPosition> planned_;  ///< by the piece alone
+  std::vector<ToolPosition> path_;     ///< as it is cut: planned, or the user's program
+  std::string program_, corrected_program_;
   std::vector<Cut> cuts_;
   std::vector<std::string> notes_;
   nlohmann::json summary_;
@@ -323,6 +389,10 @@ Command predict_command(CLI::App& program, const Talk& talk) {
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
   app->add_option("--model", o->model, "Model (JSON)")->required()->type_name("model.json")->group("Input");
   app->add_option("--piece", o->piece, "Test piece (TOML)")->required()->type_name("P.toml")->group("Input");
+  app->add_option("--program", o->program, "A program for the piece (LinuxCNC), instead of the planned path")
+      ->type_name("N.nc")
+      ->group("Input");
+  app->add_option("--job", o->job, "Job: work offsets and covariates (TOML)")->type_name("J.toml")->group("Input");
   app->add_option("--measured", o->measured, "Evaluate a measured piece alike: phi_deg, h_mm, deviation_um (CSV)")
       ->type_name("T.csv")
       ->group("Input");

@@ -14,7 +14,7 @@ using nlohmann::json;
 
 constexpr int kHighestUndulation = 8;
 
-void put(json& j, const std::string& name, const Spread& spread, double unit) {
+void put(json& j, const std::string& name, const DrawnSpread& spread, double unit) {
   j[name + "_sd"] = spread.sd / unit;
   j[name + "_95"] = {spread.low / unit, spread.high / unit};
 }

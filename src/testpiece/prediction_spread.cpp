@@ -51,7 +51,7 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
   return factors.transpositionsP().transpose() * Eigen::MatrixXd(lower * d.asDiagonal());
 }
 
-Spread spread_of(std::vector<double> values) {
+DrawnSpread spread_of(std::vector<double> values) {
   double mean = 0, squares = 0;
   for (const double v : values) mean += v / static_cast<double>(values.size());
   for (const double v : values) squares += (v - mean) * (v - mean);

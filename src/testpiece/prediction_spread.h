@@ -11,22 +11,22 @@
 namespace trunnion {
 
 /// How far a predicted number may be off: its standard deviation and the central 95 % of the draws.
-struct Spread {
+struct DrawnSpread {
   double sd = 0;
   double low = 0;
   double high = 0;
 };
 
 struct HeightSpread {
-  Spread lsc_mm, mzc_mm, mic_mm, mcc_mm, diameter_mm, center_x_mm, center_y_mm;
+  DrawnSpread lsc_mm, mzc_mm, mic_mm, mcc_mm, diameter_mm, center_x_mm, center_y_mm;
 };
 
 struct PredictionSpread {
   std::vector<double> deviation_sd_mm;  ///< one per evaluated point, linear
   std::vector<HeightSpread> heights;    ///< by Monte Carlo: roundness is not linear
-  std::optional<Spread> half_angle_rad;
-  std::optional<Spread> axis_tilt_rad;  ///< its amount
-  Spread rms_mm;
+  std::optional<DrawnSpread> half_angle_rad;
+  std::optional<DrawnSpread> axis_tilt_rad;  ///< its amount
+  DrawnSpread rms_mm;
 };
 
 struct DrawOptions {
