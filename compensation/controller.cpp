@@ -22,7 +22,7 @@ CompensationTask::CompensationTask(const Machine& m, const Model& d, const Table
 }
 
 const std::vector<Controller>& controllers() {
-  static const std::vector<Controller> all = {linuxcnc(), sinumerik_840d(), isg_twincat(), fanuc_30i(), aerotech()};
+  static const std::vector<Controller> all = {linuxcnc(), sinumerik_840d(), isg_twincat(), heidenhain(), fanuc_30i(), aerotech()};
   return all;
 }
 

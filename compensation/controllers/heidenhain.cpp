@@ -1,0 +1,316 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "compensation/controllers/controllers.h"
+#include "compensation/grid_table.h"
+#include "compensation/number_text.h"
+#include "compensation/projection.h"
+#include "error.h"
+#include "geometric_errors/symbol.h"
+
+// HEIDENHAIN TNC 640 and iTNC 530: axis error tables (.COM, assigned by a .CMA) of A and C, and KinematicsComp rows
+// that insert the six errors of each rotary axis before its motion. Columns C1 … C6 carry X, Y, Z, A, B, C in this
+// order.
+
+namespace trunnion {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr std::size_t kMostEntries = 256;
+constexpr std::size_t kNumberWidth = 5, kColumnWidth = 14;
+constexpr const char* kKinematicsFile = "KINEMATICS_COMP.TXT";
+
+std::string com_file(char axis) { return std::string("AXIS_") + axis + ".COM"; }
+
+std::string padded(std::string text, std::size_t width) {
+  text.resize(std::max(width, text.size() + 1), ' ');
+  return text;
+}
+
+std::string signed_text(double value, int decimals, Emission emission) {
+  const std::string text = emission.quantised ? fixed_text(value, decimals) : shortest_text(value);
+  return text.front() == '-' ? text : "+" + text;
+}
+
+/// The component (0 … 5) that is the axis' own position, and its sign in the axis' sense.
+struct Own {
+  std::size_t component;
+  double sense;
+};
+Own own_of(const Axis& axis) {
+  Eigen::Index k = 0;
+  axis.direction.cwiseAbs().maxCoeff(&k);
+  return {3 + static_cast<std::size_t>(k), axis.direction[k] < 0 ? -1.0 : 1.0};
+}
+
+/// One table over one rotary axis: its own column and the six extra ones, mm and degrees.
+std::string com_text(const CompensationTask& task, const Axis& axis, const std::vector<double>& nodes,
+                     const Eigen::MatrixXd& errors, Emission emission) {
+  const int decimals = static_cast<int>(task.profile.number("com_decimals"));
+  const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
+  const std::size_t width = emission.quantised ? kColumnWidth : 26;
+  const Own own = own_of(axis);
+  std::string text = "BEGIN AXIS_" + std::string(1, axis.letter) + ".COM MM\n" + padded("NR", kNumberWidth);
+  std::vector<std::string> columns = {"AXISPOS", "BACKLASH", std::string(1, axis.letter)};
+  for (std::size_t k = 0; k < 6; ++k)
+    if (k != own.component) columns.push_back("C" + std::to_string(k + 1));
+  for (const std::string& column : columns) text += padded(column, width);
+  text += "\n";
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const auto value = [&](std::size_t component) {
+      return as_error * errors(static_cast<Eigen::Index>(component), static_cast<Eigen::Index>(n)) /
+             (component < 3 ? 1 : kDegree);
+    };
+    text += padded(std::to_string(n), kNumberWidth) + padded(signed_text(nodes[n], 4, emission), width) +
+            padded("", width) + padded(signed_text(own.sense * value(own.component), decimals, emission), width);
+    for (std::size_t k = 0; k < 6; ++k)
+      if (k != own.component) text += padded(signed_text(value(k), decimals, emission), width);
+    text += "\n";
+  }
+  return text + "[END]\n";
+}
+
+std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emission emission) {
+  if (task.chain.has_rotary(Side::tool) || task.chain.turn_carries_tilt())
+    throw RefusalError("heidenhain: structure \"" + task.machine.structure.code +
+                       "\": a table with C carried by the tilting axis is wanted");
+  const Axis &tilt_axis = task.machine.tilt(), &turn_axis = task.machine.turn();
+  const double step = spacing.in_degrees() / emission.refine;
+  const PiecewiseLinear tilt(even_nodes(task.volume.a.low.in_degrees(), task.volume.a.high.in_degrees(), step),
+                             Boundary::hold);
+  const PiecewiseLinear turn(even_nodes(0, 360, step), Boundary::repeat);
+  if (emission.for_the_control() && std::max(tilt.nodes().size(), turn.nodes().size()) > kMostEntries)
+    throw RangeError("heidenhain: " + std::to_string(std::max(tilt.nodes().size(), turn.nodes().size())) +
+                     " entries, 256 is the most of a .COM table");
+  const std::vector<double> tilt_at = tilt.sample_points(2), turn_at = turn.sample_points(2);
+  const ChainFit fit = chain_fit(task, tilt_at, turn_at, TurnErrors::of_turn_alone);
+  std::vector<TableFile> files;
+  files.push_back({com_file(tilt_axis.letter),
+                   com_text(task, tilt_axis, tilt.nodes(), fit.tilt * tilt.projector(tilt_at).transpose(), emission)});
+  files.push_back({com_file(turn_axis.letter),
+                   com_text(task, turn_axis, turn.nodes(), fit.turn * turn.projector(turn_at).transpose(), emission)});
+
+  const std::string prefix = task.profile.answer("comptab_prefix") == "axis letter" ? "" : "A";
+  std::string rows =
+      padded("NR", 5) + padded("DOC", 8) + padded("KEY", 10) + padded("AXIS", 6) + padded("COORD", 12) + "COMPTAB\n";
+  int number = 0;
+  const auto row = [&](const std::string& doc, const std::string& key, char axis, const std::string& coordinate,
+                       const std::string& table) {
+    rows += padded(std::to_string(number++), 5) + padded(doc, 8) + padded(key, 10) + padded(std::string(1, axis), 6) +
+            padded(coordinate, 12) + table + "\n";
+  };
+  for (const Axis* axis : {&tilt_axis, &turn_axis}) {
+    for (std::size_t k = 0; k < 6; ++k)
+      if (k != own_of(*axis).component)
+        row(error_symbol(k, axis->letter), "Trans", "XYZABC"[k], "",
+            (prefix.empty() ? std::string(1, axis->letter) : prefix) + "..C" + std::to_string(k + 1));
+    row("", "MachAxis", axis->letter, "", "");
+  }
+  files.push_back({kKinematicsFile, rows});
+  if (emission.for_the_control())
+    files.push_back({"CONFIG.CMA", "BEGIN CONFIG.CMA\n" + padded("NR", 5) + padded("ACTIVE", 8) +
+                                       padded(std::string(1, tilt_axis.letter), 14) + padded("C", 14) + "\n" +
+                                       padded("0", 5) + padded("*", 8) +
+                                       padded("AXIS_" + std::string(1, tilt_axis.letter), 14) + padded("AXIS_C", 14) +
+                                       "\n[END]\n"});
+  return files;
+}
+
+/// A .COM table as the control holds it: column name to values over AXISPOS.
+struct ComTable {
+  std::vector<double> positions;
+  std::map<std::string, std::vector<double>> columns;
+};
+
+ComTable read_com(const TableFile& file) {
+  ComTable table;
+  std::vector<std::pair<std::string, std::size_t>> heading;  ///< name and where it begins
+  std::size_t line_number = 0;
+  bool begun = false, ended = false;
+  for (const std::string_view line : lines_of(file.text)) {
+    ++line_number;
+    const auto wrong = [&](const std::string& text) { throw InputError(file.name, line_number, text); };
+    if (ended) break;
+    if (!begun) {
+      const auto words = words_of(line);
+      if (words.size() < 3 || words[0] != "BEGIN" || words[2] != "MM") wrong("BEGIN, a name and MM are wanted");
+      begun = true;
+    } else if (line == "[END]") {
+      ended = true;
+    } else if (heading.empty()) {
+      for (const std::string_view word : words_of(line))
+        heading.emplace_back(word, static_cast<std::size_t>(word.data() - line.data()));
+      if (heading.size() < 3 || heading[0].first != "NR" || heading[1].first != "AXISPOS")
+        wrong("a heading NR, AXISPOS … is wanted");
+    } else {
+      if (table.positions.size() == 10 * kMostEntries * 4) wrong("too many entries");
+      for (std::size_t k = 1; k < heading.size(); ++k) {
+        const std::size_t from = std::min(heading[k].second, line.size());
+        const std::size_t to = k + 1 < heading.size() ? std::min(heading[k + 1].second, line.size()) : line.size();
+        const std::string_view cell = trimmed(line.substr(from, to - from));
+        const auto value = cell.empty() ? std::optional<double>(0) : number_from(cell);
+        if (!value) wrong(heading[k].first + ": \"" + std::string(cell) + "\" found, a number or nothing is wanted");
+        if (k == 1) {
+          if (!table.positions.empty() && !(*value > table.positions.back())) wrong("AXISPOS does not ascend");
+          table.positions.push_back(*value);
+        } else {
+          table.columns[heading[k].first].push_back(*value);
+        }
+      }
+    }
+  }
+  if (!ended) throw InputError(file.name, line_number, "[END] is missing");
+  if (table.positions.size() < 2) throw InputError(file.name, line_number, "two entries or more are wanted");
+  return table;
+}
+
+class Tnc : public PlayedCompensation {
+ public:
+  Tnc(std::map<char, ComTable> tables, std::map<char, std::vector<std::size_t>> inserted, const CompensationTask& task)
+      : tables_(std::move(tables)),
+        inserted_(std::move(inserted)),
+        tilt_(task.machine.tilt()),
+        turn_(task.machine.turn()) {
+    takes_away_ = task.profile.answer("com_sign") == "error";
+  }
+
+  /// From the slide outward: A's errors, A, C's errors, C. The control puts the tool where the work then is.
+  AxisCorrection at(const Situation& s) const override {
+    const double c_deg = s.at.c.in_degrees() - 360 * std::floor(s.at.c.in_degrees() / 360);
+    Eigen::Isometry3d real = Eigen::Isometry3d::Identity(), nominal = Eigen::Isometry3d::Identity();
+    AxisCorrection correction;
+    for (const Axis* axis : {&tilt_, &turn_}) {
+      const bool tilting = axis == &tilt_;
+      const ComTable& table = tables_.at(axis->letter);
+      const auto column = [&](const std::string& name) {
+        const auto found = table.columns.find(name);
+        return found == table.columns.end() ? 0.0
+                                            : interpolated(table.positions, found->second, Boundary::hold,
+                                                           tilting ? s.at.a.in_degrees() : c_deg);
+      };
+      PoseError error;
+      for (const std::size_t k : inserted_.at(axis->letter)) {
+        const double value = (takes_away_ ? 1 : -1) * column("C" + std::to_string(k + 1));
+        if (k < 3) error.translation_mm[static_cast<Eigen::Index>(k)] = value;
+        if (k >= 3) error.rotation_rad[static_cast<Eigen::Index>(k - 3)] = value * kDegree;
+      }
+      const Eigen::Isometry3d turned(Eigen::AngleAxisd((tilting ? s.at.a : s.at.c).in_radians(), axis->direction));
+      const Eigen::Translation3d to(axis->origin_mm), from(-axis->origin_mm);
+      real = real * to * transform(error) * turned * from;
+      nominal = nominal * to * turned * from;
+      (tilting ? correction.tilt_rad : correction.turn_rad) =
+          (takes_away_ ? -1 : 1) * column(std::string(1, axis->letter)) * kDegree;
+    }
+    correction.linear_mm = real * nominal.inverse() * s.point_r_mm - s.point_r_mm;
+    return correction;
+  }
+
+ private:
+  std::map<char, ComTable> tables_;
+  std::map<char, std::vector<std::size_t>> inserted_;
+  Axis tilt_, turn_;
+  bool takes_away_ = true;
+};
+
+std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, const CompensationTask& task) {
+  const auto find = [&](const std::string& name) -> const TableFile& {
+    const auto found = std::ranges::find(files, name, &TableFile::name);
+    if (found == files.end()) throw InputError(name, "missing");
+    return *found;
+  };
+  const char tilt = task.machine.tilt_letter();
+  std::map<char, ComTable> tables;
+  for (const char axis : {tilt, 'C'}) tables[axis] = read_com(find(com_file(axis)));
+  // Transformations stand before the axis whose position they depend on.
+  std::map<char, std::vector<std::size_t>> inserted = {{tilt, {}}, {'C', {}}};
+  std::vector<std::size_t> pending;
+  std::vector<std::pair<std::string, std::size_t>> prefixes;  ///< and the lines where they stand
+  const bool by_letter = task.profile.answer("comptab_prefix") == "axis letter";
+  const TableFile& rows = find(kKinematicsFile);
+  std::size_t line_number = 0, transformations = 0;
+  for (const std::string_view line : lines_of(rows.text)) {
+    ++line_number;
+    const auto words = words_of(line);
+    if (line_number == 1 || words.empty()) continue;
+    const auto key = std::ranges::find_if(words, [](std::string_view w) { return w == "Trans" || w == "MachAxis"; });
+    if (key == words.end() || key + 1 == words.end() || (key + 1)->size() != 1)
+      throw InputError(rows.name, line_number, "KEY Trans or MachAxis and an axis are wanted");
+    const char axis = (*(key + 1))[0];
+    if (*key == "MachAxis") {
+      if (!inserted.contains(axis))
+        throw InputError(rows.name, line_number,
+                         std::string("MachAxis ") + axis + ": not a rotary axis of this machine");
+      const std::string prefix = by_letter ? std::string(1, axis) : "A";
+      for (const auto& [found, where] : prefixes)
+        if (found != prefix)
+          throw InputError(rows.name, where, "COMPTAB " + found + "..: the control looks for " + prefix + "..");
+      prefixes.clear();
+      inserted[axis] = std::exchange(pending, {});
+      continue;
+    }
+    const std::size_t component = kComponentLetters.find(axis);
+    const std::string_view column = words.back();
+    if (component == std::string_view::npos || !column.ends_with("..C" + std::to_string(component + 1)))
+      throw InputError(rows.name, line_number,
+                       "\"" + std::string(column) + "\": a column C1 to C6 that fits the axis is wanted");
+    prefixes.emplace_back(column.substr(0, column.find("..")), line_number);
+    pending.push_back(component);
+    if (++transformations > 50) throw InputError(rows.name, line_number, "more than 50 transformations");
+  }
+  return std::make_unique<Tnc>(std::move(tables), std::move(inserted), task);
+}
+
+std::string loading(const CompensationTask& task, const std::vector<TableFile>&) {
+  const std::string a(1, task.machine.tilt_letter());
+  return "## Steps\n\n1. Back up the kinematics description and the tables. Copy `AXIS_" + a +
+         ".COM`, `AXIS_C.COM` and `CONFIG.CMA` to the control's table folder.\n"
+         "2. Enter the rows of `" +
+         std::string(kKinematicsFile) +
+         "` into the machine's kinematics table, each block directly before the MachAxis line of its axis "
+         "(KinematicsComp, option 52).\n"
+         "3. Activate the line of the .CMA and the kinematics; reference the axes. The axes' own columns act at once: "
+         "stand clear.\n\n"
+         "Do not run KinematicsOpt (cycles 450 to 453) with saving afterwards: it rewrites the same "
+         "description.\n\nUndo: the old kinematics table, and no active line in the .CMA.\n";
+}
+
+}  // namespace
+
+Controller heidenhain() {
+  return {
+      .name = "heidenhain",
+      .title = "HEIDENHAIN TNC 640, iTNC 530: axis error tables and KinematicsComp",
+      .cannot_hold =
+          "errors of C that change with the tilt, what depends on the sense of motion, and what linear axes do.",
+      .questions =
+          {{{"com_sign",
+             "Are .COM and COMPTAB values errors that the control takes away, or corrections that it adds?",
+             {"error", "correction"},
+             "One .COM table with 0.005 deg in the axis' own column at one node: move there and read the axis against "
+             "an indicator."},
+            {"comptab_prefix",
+             "What stands before the column's name in COMPTAB?",
+             {"axis letter", "A"},
+             "Compare with a kinematics table that the control ships."},
+            {"com_angles",
+             "Are angular columns C4 to C6 in degrees, and is the table linear between entries?",
+             {"degrees, linear"},
+             "One table with 0.005 deg in C6 at one node: X moves by the distance in Y from the axis times 0.0000873."},
+            {"com_layout",
+             "Does the control take this layout of columns?",
+             {"yes"},
+             "Import AXIS_C.COM and look at it on the screen."}},
+           {{"com_decimals", "decimals of the values", 4, 3, 7}}},
+      .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
+                   Angle::degrees(3)},
+      .emit = emit,
+      .play = play,
+      .loading = loading,
+      .commissioning = nullptr};
+}
+
+}  // namespace trunnion
