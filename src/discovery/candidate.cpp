@@ -47,7 +47,7 @@ CandidateScore score_of(const Projection& base, const Eigen::MatrixXd& z, const 
   s.gain = (space.whitening.transpose() * (z.transpose() * base.residual())).squaredNorm();
   const double rest = std::max(1e-12 * base.residual_square(), base.residual_square() - s.gain);
   s.p_value = f_tail(s.gain / s.rank / (rest / (base.freedom() - s.rank)), s.rank, base.freedom() - s.rank);
-  s.log_likelihood = 0.5 * base.freedom() * std::log(base.residual_square() / rest);
+  s.log_likelihood = 0.5 * s.gain;
   return s;
 }
 
@@ -100,13 +100,36 @@ std::vector<CandidateScore> scores(const Projection& base, const std::vector<Can
   return result;
 }
 
-double canonical_correlation(const Projection& base, const Eigen::MatrixXd& first, const Eigen::MatrixXd& second) {
-  const Eigen::MatrixXd p1 = base.apply(first), p2 = base.apply(second);
-  const VisibleSpace s1 = visible_space(first, p1), s2 = visible_space(second, p2);
-  if (s1.whitening.cols() == 0 || s2.whitening.cols() == 0) return 0;
-  const Eigen::MatrixXd cross = s1.whitening.transpose() * (first.transpose() * p2) * s2.whitening;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(cross * cross.transpose());
-  return std::sqrt(std::clamp(eigen.eigenvalues().maxCoeff(), 0.0, 1.0));
+std::vector<double> canonical_correlations(const Projection& base, const Candidate& candidate,
+                                           const std::vector<Candidate>& others) {
+  const Eigen::MatrixXd projected = base.apply(candidate.columns);
+  const VisibleSpace own = visible_space(candidate.columns, projected);
+  const Eigen::MatrixXd direction = projected * own.whitening;  // (P Z1) W1
+  Eigen::Index total = 0;
+  for (const Candidate& other : others) total += other.columns.cols();
+  Eigen::MatrixXd all(candidate.columns.rows(), total);
+  Eigen::Index at = 0;
+  for (const Candidate& other : others) {
+    all.middleCols(at, other.columns.cols()) = other.columns;
+    at += other.columns.cols();
+  }
+  const Eigen::MatrixXd all_projected = base.apply(all);
+  const Eigen::MatrixXd cross = direction.transpose() * all;
+  std::vector<double> correlations;
+  at = 0;
+  for (const Candidate& other : others) {
+    const Eigen::Index m = other.columns.cols();
+    const VisibleSpace space = visible_space(other.columns, all_projected.middleCols(at, m));
+    const Eigen::MatrixXd c = cross.middleCols(at, m) * space.whitening;
+    at += m;
+    if (c.size() == 0) {
+      correlations.push_back(0);
+      continue;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(c * c.transpose());
+    correlations.push_back(std::sqrt(std::clamp(eigen.eigenvalues().maxCoeff(), 0.0, 1.0)));
+  }
+  return correlations;
 }
 
 Candidate refined(const LinearProblem& problem, const Projection& base, const Candidate& candidate) {

@@ -30,15 +30,16 @@ struct CandidateScore {
   double rank = 0;              ///< columns that the base leaves visible
   double visible_fraction = 0;  ///< ||P Z|| / ||Z||
   double p_value = 1;           ///< F test against the scatter that is left
-  double log_likelihood = 0;    ///< half the freedom times log of the reduction: what model choice compares
+  double log_likelihood = 0;    ///< gained, for the declared noise: what model choice compares
 };
 CandidateScore score(const Projection& base, const Eigen::MatrixXd& columns);
 
 /// Scores of all candidates at once.
 std::vector<CandidateScore> scores(const Projection& base, const std::vector<Candidate>& candidates);
 
-/// The largest canonical correlation between two candidates outside the base.
-double canonical_correlation(const Projection& base, const Eigen::MatrixXd& first, const Eigen::MatrixXd& second);
+/// The largest canonical correlations between a candidate and each of the others outside the base.
+std::vector<double> canonical_correlations(const Projection& base, const Candidate& candidate,
+                                           const std::vector<Candidate>& others);
 
 /// Moves the shape of `candidate` to where its gain is largest, within `span` of each shape number (a factor).
 Candidate refined(const LinearProblem& problem, const Projection& base, const Candidate& candidate);

@@ -267,19 +267,19 @@ class Search {
   /// multiplies.
   double sign_flip_p(const Projection& base, const Candidate& candidate, double gain) const {
     constexpr int kFlips = 2000;
-    std::vector<double> signs(problem().poses.size());
     const CandidateScore own = score(base, candidate.columns);
     if (own.rank == 0) return 1;
-    // Contribution of each pose to Z' P y; flips turn it as a whole.
     const Eigen::MatrixXd projected = base.apply(candidate.columns);
-    const Eigen::VectorXd r = base.residual();
-    Eigen::MatrixXd by_pose =
-        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(problem().poses.size()), candidate.columns.cols());
-    for (Eigen::Index i = 0; i < r.size(); ++i)
-      by_pose.row(static_cast<Eigen::Index>(problem().readings[static_cast<std::size_t>(i)].pose)) +=
-          r[i] * projected.row(i);
     const Eigen::MatrixXd gram = candidate.columns.transpose() * projected;
     const Eigen::MatrixXd inverse = gram.completeOrthogonalDecomposition().pseudoInverse();
+    // What the candidate leaves is the noise to flip: contribution of each pose to Z' r, turned as a whole.
+    const Eigen::VectorXd left =
+        base.residual() - projected * (inverse * (candidate.columns.transpose() * base.residual()));
+    Eigen::MatrixXd by_pose =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(problem().poses.size()), candidate.columns.cols());
+    for (Eigen::Index i = 0; i < left.size(); ++i)
+      by_pose.row(static_cast<Eigen::Index>(problem().readings[static_cast<std::size_t>(i)].pose)) +=
+          left[i] * projected.row(i);
     std::uint64_t state = 0x9E3779B97F4A7C15ULL;
     int reached = 0;
     for (int flip = 0; flip < kFlips; ++flip) {
@@ -389,7 +389,10 @@ class Search {
     const HoldoutError before = holdout_error(before_columns), after = holdout_error(after_columns);
     if (!falls(before, after)) {
       result_.refused.push_back(id + ": the error at poses kept back does not fall");
-      if (!chosen.from_catalogue) return false;
+      if (!chosen.from_catalogue) {
+        fallback_closed_ = true;
+        return true;
+      }
       return drop(id);
     }
     AcceptedEffect found{.effect = choice->candidate.effect,
@@ -416,17 +419,29 @@ class Search {
     return dropped_ < 6;
   }
 
+  /// Whether chi-square would pass with `choice` added.
+  bool would_explain(const Choice& choice) const {
+    const auto passes = [&](const Projection& base, const CandidateScore& s) {
+      return chi_square_tail(base.residual_square() - s.gain, base.freedom() - s.rank) >= options_.smooth_level;
+    };
+    return passes(*smooth_, choice.smooth) && (!free_ || passes(*free_, choice.free));
+  }
+
+  /// The smooth fallback opens where the catalogue has nothing, or where an entry does not bring chi-square down and a
+  /// smooth effect of the same quantity is likelier by more than 3.
   void consider_fallback(std::optional<Choice>& choice) {
+    if (fallback_closed_ || (choice && would_explain(*choice))) return;
     const std::optional<SmoothCandidate> found =
         best_smooth_candidate(problem(), *smooth_, scope_, options_.smooth_level);
     if (!found) return;
     Choice fallback{found->candidate, score(*smooth_, found->candidate.columns),
                     free_ ? score(*free_, found->candidate.columns) : CandidateScore{}, false};
-    // It replaces a catalogue entry only when its likelihood is clearly higher, by more than 3 beyond what it costs.
     if (choice) {
-      const double n = smooth_->freedom();
-      const double named = choice->smooth.log_likelihood - 0.5 * choice->smooth.rank * std::log(n);
-      if (found->log_likelihood < named + 3) return;
+      const std::vector<std::string> named = choice->candidate.effect->depends_on(),
+                                     own = found->candidate.effect->depends_on();
+      const bool same_quantity = own.size() == 1 && std::ranges::find(named, own.front()) != named.end();
+      const double evidence = choice->smooth.log_likelihood - 0.5 * choice->smooth.rank * std::log(smooth_->freedom());
+      if (!same_quantity || found->log_likelihood < evidence + 3) return;
     }
     fallback.family_wise = found->p_value;
     choice = std::move(fallback);
@@ -442,20 +457,19 @@ class Search {
   void describe_confounding(AcceptedEffect& found, const Candidate& chosen) const {
     const Projection& base = found.rigid_within_poses || !free_ ? static_cast<const Projection&>(*smooth_) : *free_;
     std::set<std::string> strong, partly;
-    for (const Candidate& other : candidates_) {
-      const std::string id = other.effect->id();
+    const std::vector<double> correlations = canonical_correlations(base, chosen, candidates_);
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      const std::string id = candidates_[k].effect->id();
       if (id == chosen.effect->id()) continue;
-      const double r = canonical_correlation(base, chosen.columns, other.columns);
-      if (r > kNotSeparable)
+      if (correlations[k] > kNotSeparable)
         strong.insert(id);
-      else if (r > kPartlySeparable)
+      else if (correlations[k] > kPartlySeparable)
         partly.insert(id);
     }
     for (const std::string& id : strong) partly.erase(id);
     found.not_separable_from.assign(strong.begin(), strong.end());
     found.partly_separable_from.assign(partly.begin(), partly.end());
-    if (!strong.empty())
-      found.separate_by = family_of(found.smooth ? *strong.begin() : found.effect->id()).remedy;
+    if (!strong.empty()) found.separate_by = family_of(found.smooth ? *strong.begin() : found.effect->id()).remedy;
     if (found.rigid_within_poses && found.separate_by.empty() && !found.smooth)
       found.separate_by = std::string(family_of(found.effect->id()).remedy);
   }
@@ -570,6 +584,7 @@ class Search {
   std::unique_ptr<FreePoseProjection> free_;
   std::unique_ptr<SmoothProjection> smooth_;
   int dropped_ = 0;
+  bool fallback_closed_ = false;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "identification/distributions.h"
@@ -97,6 +98,7 @@ OutlierSearch find_outliers(const LinearProblem& problem, const HarmonicBasis& b
     z = all_normalised();
   }
   // The hyperparameters once more, now that outliers weigh little; then decide one by one on unweighted residuals.
+  current.start = search.fit.prior;
   current.prior = given;
   search.fit = fit_smooth(problem, basis, current);
   current.prior = search.fit.prior;
@@ -125,11 +127,20 @@ OutlierSearch find_outliers(const LinearProblem& problem, const HarmonicBasis& b
   if (too_many && search.crowd.empty())
     search.crowd = std::to_string(suspects.size()) + " of " + std::to_string(n) + " readings, all over";
   if (!search.crowd.empty()) {
+    // An effect is at work. Readings far beyond even its scatter may still be chips, if those do not crowd themselves.
+    std::vector<double> sizes;
+    for (const Outlier& o : suspects) sizes.push_back(std::abs(o.normalised));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double far_beyond = 3 * *middle;
+    const auto is_far = [&](const Outlier& o) { return std::abs(o.normalised) > far_beyond; };
+    std::vector<Outlier> extreme;
+    std::ranges::copy_if(suspects, std::back_inserter(extreme), is_far);
+    const bool sparse = static_cast<double>(extreme.size()) <= options.most_fraction * static_cast<double>(n) &&
+                        crowd(problem, extreme).empty();
+    if (sparse) std::erase_if(suspects, is_far);
     search.crowded = std::move(suspects);
-    current.weights.assign(n, 1.0);
-    current.prior = given;
-    search.fit = fit_smooth(problem, basis, current);
-    return search;
+    suspects = sparse ? std::move(extreme) : std::vector<Outlier>();
   }
   search.removed = std::move(suspects);
   current.weights.assign(n, 1.0);

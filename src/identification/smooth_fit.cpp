@@ -111,10 +111,13 @@ class Hyperparameters {
 struct Evaluation {
   double negative_log = std::numeric_limits<double>::infinity();
   Eigen::VectorXd solution;
-  Eigen::MatrixXd inverse;
+  Eigen::VectorXd variance;  ///< diagonal of the inverse
+  Eigen::MatrixXd inverse;   ///< where it was asked for
 };
 
-Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, const double noise[2]) {
+enum class Inverse { diagonal, full };
+
+Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, const double noise[2], Inverse wanted) {
   Evaluation e;
   Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(system.size, system.size);
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(system.size);
@@ -136,7 +139,15 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
   const Eigen::LLT<Eigen::MatrixXd> factor(joint);
   if (factor.info() != Eigen::Success) return e;
   e.solution = factor.solve(rhs);
-  e.inverse = factor.solve(Eigen::MatrixXd::Identity(system.size, system.size));
+  if (wanted == Inverse::full) {
+    e.inverse = factor.solve(Eigen::MatrixXd::Identity(system.size, system.size));
+    e.variance = e.inverse.diagonal();
+  } else {
+    // (L L')^-1 has the squared column norms of L^-1 on its diagonal.
+    Eigen::MatrixXd root = Eigen::MatrixXd::Identity(system.size, system.size);
+    factor.matrixL().solveInPlace(root);
+    e.variance = root.colwise().squaredNorm().transpose();
+  }
   value += factor.matrixLLT().diagonal().array().log().sum() - 0.5 * rhs.dot(e.solution);
   e.negative_log = value;
   return e;
@@ -299,12 +310,13 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
       if (options.free_noise)
         for (int c = 0; c < 2; ++c) scale[c] = std::exp(h[base + c]);
       hyper.log_variances(h, log_variance, derivative);
-      const Evaluation e = evaluate(system, log_variance, scale);
+      const Evaluation e =
+          evaluate(system, log_variance, scale, options.free_noise ? Inverse::full : Inverse::diagonal);
       result.value = e.negative_log;
       if (!std::isfinite(e.negative_log)) return result;
       const Eigen::VectorXd by_variance =
-          0.5 * (1 - ((e.inverse.diagonal().head(m).array() + e.solution.head(m).array().square()) *
-                      (-log_variance.array()).exp()));
+          0.5 *
+          (1 - ((e.variance.head(m).array() + e.solution.head(m).array().square()) * (-log_variance.array()).exp()));
       result.gradient.head(base) = derivative.transpose() * by_variance;
       if (options.free_noise)
         for (int c = 0; c < 2; ++c) {
@@ -321,7 +333,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
       return result;
     };
     Eigen::VectorXd start = Eigen::VectorXd::Zero(base + (options.free_noise ? 2 : 0));
-    start.head(base) = hyper.pack(SmoothPrior{});
+    start.head(base) = hyper.pack(options.start.value_or(SmoothPrior{}));
     const Minimum found = minimise(objective, start, 1e-3, 80);
     fit.prior = hyper.unpack(found.x);
     if (options.free_noise)
@@ -329,7 +341,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     fit.prior.length_noise = noise[0], fit.prior.angle_noise = noise[1];
     hyper.log_variances(found.x, log_variance, derivative);
   }
-  const Evaluation e = evaluate(system, log_variance, noise);
+  const Evaluation e = evaluate(system, log_variance, noise, Inverse::full);
   fit.log_evidence = -e.negative_log;
   const Eigen::VectorXd solution = e.solution.cwiseProduct(column_scale);
   const Eigen::MatrixXd covariance = column_scale.asDiagonal() * e.inverse * column_scale.asDiagonal();

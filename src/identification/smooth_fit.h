@@ -22,6 +22,7 @@ struct SmoothPrior {
 
 struct SmoothOptions {
   std::optional<SmoothPrior> prior;  ///< used as it is; else found by restricted maximum likelihood (REML)
+  std::optional<SmoothPrior> start;  ///< where the search for the prior begins, if not at its centre
   bool free_noise = false;           ///< the noise level is found too
   std::vector<double> weights;       ///< one per reading on 1/sigma^2, 0 leaves it out; empty: all 1
   std::vector<double> values;        ///< replaces Reading::value (relinearised readings); empty: as they are

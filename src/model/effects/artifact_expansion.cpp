@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "model/effects/artifact_effects.h"
 #include "model/effects/columns.h"
@@ -13,8 +14,8 @@ constexpr const char* kDefaultColumn = "temperature_C";
 
 /// The probed bodies and the table under them grow by alpha a from W's origin, a point at q in W moves by alpha a q.
 /// What `a` is, the id says:
-///   artifact_expansion[:COLUMN]  a = the column beyond its zero, temperature_C where none is named; time_s or repeat
-///                                where no temperature was recorded,
+///   artifact_expansion           a = temperature_C beyond its zero, or time_s if its entry says "column": "time_s",
+///   artifact_expansion:COLUMN    a = another column beyond its zero,
 ///   artifact_expansion:warm_up   a = 1 - exp(-t / tau).
 /// With a further ":height" only heights grow, q = (0, 0, q_z).
 Formula artifact_expansion(const std::string& detail, double time_constant_s, const EffectContext& context) {
@@ -28,11 +29,12 @@ Formula artifact_expansion(const std::string& detail, double time_constant_s, co
                     : is_temperature(column) ? Unit::um_per_m_per_K
                                              : Unit::um_per_m;
   Formula formula{
-      .id = detail.empty() ? "artifact_expansion" : "artifact_expansion:" + detail,
+      .id = detail.empty() || detail == "time_s" ? "artifact_expansion" : "artifact_expansion:" + detail,
       .origin = Origin::measurement,
       .depends_on = {warm_up ? "time_s" : column, "x_mm", "y_mm", "z_mm"},
       .parameters = {{"expansion", unit, 0, from_unit(unit == Unit::um_per_m_per_K ? 40 : 500, unit)}},
   };
+  if (detail == "time_s") formula.keys = {{"column", detail}};
   if (warm_up) {
     formula.shape = {{"time_constant", Unit::s, time_constant_s}};
     formula.shape_ranges = {{.low = 1e-3, .high = 1e9}};
@@ -75,7 +77,8 @@ Family artifact_expansion_family() {
       .remedy = "the reference pose once more at another temperature, with temperature_C recorded",
       .candidates = candidates,
       .read = [](const std::string& detail, const nlohmann::json& json, const EffectContext& context) -> EffectPtr {
-        return make_effect(artifact_expansion(detail, 600, context), json);
+        const bool by_time = detail.empty() && json.contains("column") && json["column"] == "time_s";
+        return make_effect(artifact_expansion(by_time ? "time_s" : detail, 600, context), json);
       },
   };
 }
