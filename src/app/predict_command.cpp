@@ -27,6 +27,7 @@
 #include "postproc/playback.h"
 #include "testpiece/part_view.h"
 #include "testpiece/piece_program.h"
+#include "testpiece/piece_solid.h"
 #include "testpiece/plots.h"
 
 namespace trunnion {
@@ -293,6 +294,10 @@ class Prediction {
                 deviations_text(surface_, asked().found, cuts_.size() > 1 ? &uncompensated().found : nullptr));
     for (const Cut& c : cuts_) write_views(c);
     if (o_.program.empty()) output_.add("program.ngc", program_);
+    if (const std::string module = brep_module(); !module.empty())
+      output_.add("part.step", piece_step(piece_, module));
+    else
+      talk_.warn("no part.step: this program was built without OpenCASCADE");
     if (o_.corrected) output_.add("program_corrected.ngc", corrected_program_);
     std::vector<std::vector<ConeTrace>> traces;
     for (const Cut& c : cuts_) traces.push_back(traces_of(piece_, surface_, c.found.deviation_mm));

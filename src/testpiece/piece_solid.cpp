@@ -1,0 +1,74 @@
+#include "testpiece/piece_solid.h"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "error.h"
+#include "testpiece/brep/brep.h"
+
+namespace trunnion {
+namespace {
+
+constexpr double kBlockHeight_mm = 20;
+constexpr double kBlockSide = 0.65;  ///< of the base's diameter: the corners lie within the base's circle
+
+/// Stays loaded: OpenCASCADE does not take kindly to being unloaded.
+void* function(const std::string& module, const char* name) {
+  void* library = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) throw ModelError("the solid modeller cannot be loaded: " + std::string(dlerror()));
+  void* found = dlsym(library, name);
+  if (found == nullptr) throw ModelError(module + ": no " + name + " in it; another version's module");
+  return found;
+}
+
+}  // namespace
+
+std::string piece_step(const TestPiece& piece, const std::string& module) {
+  const auto step = reinterpret_cast<TrunnionBrepStep>(function(module, kTrunnionBrepStep));
+  const Eigen::Isometry3d frame = w_from_cone(piece.cone);
+  TrunnionBrepFrustum frustum{.half_angle_rad = piece.cone.half_angle.in_radians(),
+                              .base_diameter_mm = piece.cone.base_diameter.in_millimetres(),
+                              .height_mm = piece.cone.height.in_millimetres(),
+                              .base_center_mm = {},
+                              .axis = {},
+                              .zero = {},
+                              .block_side_mm = kBlockSide * piece.cone.base_diameter.in_millimetres(),
+                              .block_height_mm = kBlockHeight_mm};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    frustum.base_center_mm[k] = frame.translation()[k];
+    frustum.axis[k] = frame.linear()(k, 2);
+    frustum.zero[k] = frame.linear()(k, 0);
+  }
+  std::string text;
+  char problem[256] = "";
+  const auto append = [](void* target, const char* part, std::size_t size) {
+    static_cast<std::string*>(target)->append(part, size);
+  };
+  if (step(&frustum, append, &text, problem, sizeof problem) != 0)
+    throw ModelError(std::string("the piece makes no solid: ") + problem);
+  return text;
+}
+
+std::string brep_module() {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const fs::path& candidate :
+       {here / "trunnion_brep.so", here / ".." / TRUNNION_LIBDIR / "trunnion" / "trunnion_brep.so"})
+    if (fs::is_regular_file(candidate, ignored)) return candidate.lexically_normal().string();
+  return "";
+}
+
+MeasuredSolid measured_solid(const std::string& step, const std::string& module) {
+  const auto measure = reinterpret_cast<TrunnionBrepMeasure>(function(module, kTrunnionBrepMeasure));
+  MeasuredSolid found;
+  double semi_angle = 0;
+  char problem[256] = "";
+  if (measure(step.data(), step.size(), &found.volume_mm3, &found.faces, &semi_angle, problem, sizeof problem) != 0)
+    throw ModelError(std::string("the solid cannot be read: ") + problem);
+  found.semi_angle = Angle::radians(semi_angle);
+  return found;
+}
+
+}  // namespace trunnion
