@@ -14,8 +14,8 @@ packages_of() {
   case "$1" in
     build)
       echo g++ cmake ninja-build ccache mold python3 \
-        libeigen3-dev libcgal-dev libocct-data-exchange-dev libboost-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
-        libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+        libeigen3-dev libcgal-dev libboost-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
+        libocct-data-exchange-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
       ;;
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     browser) echo chromium nodejs npm ;;

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kSteps = 30;
-constexpr double kStill = 1e-14;  ///< relative to the radius: the centre no longer moves
+constexpr double kStill = 1e-8;  ///< relative to the radius: a last step this small leaves its square
 
 struct Trace {
   double radius_mm;
