@@ -58,6 +58,16 @@ def configure(out):
         "s.wait(60)"])
 
 
+def forget_old_memory():
+    """Shared memory that an earlier controller left keeps the next from starting."""
+    keys = {0x48414C32, 0x90280A48, 0x48484C34, *range(1001, 1006)}
+    for kind in ("m", "s"):
+        for line in sh(f"ipcs -{kind}").stdout.splitlines():
+            words = line.split()
+            if len(words) > 1 and words[0].startswith("0x") and int(words[0], 16) in keys:
+                sh(f"ipcrm -{kind} {words[1]}")
+
+
 def run_controller(out):
     environment = dict(os.environ, RTAPI_UID="65534", RTAPI_FIFO_PATH=f"{out}/fifo/f", HOME=f"{out}/home")
     for folder in ("fifo", "home"):
@@ -65,6 +75,7 @@ def run_controller(out):
         os.chmod(f"{out}/{folder}", 0o777)
     os.chmod(out, 0o777)
     own = dict(cwd=out, env=environment)
+    forget_old_memory()
     quiet = dict(start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **own)
     server = subprocess.Popen(["linuxcncsvr", "-ini", "f.ini"], **quiet)
     task = None
