@@ -32,14 +32,14 @@ class Builder {
       for (const std::size_t r : problem_.poses[g].rows) pose_of_row_[r] = static_cast<std::uint32_t>(g);
   }
 
-  LinearProblem build() {
+  LinearProblem build(const std::optional<PoseMounting>& mounting) {
     if (set_.rows.empty()) throw InputError(set_.files.front(), "no observations");
     bool contact_seen = false;
     for (const Observation& row : set_.rows) {
       problem_.has_pose_kind = problem_.has_pose_kind || row.kind == ReadingKind::pose;
       contact_seen = contact_seen || row.kind == ReadingKind::contact;
     }
-    if (problem_.has_pose_kind) mounting_ = fit_pose_mounting(set_, *problem_.chain);
+    if (problem_.has_pose_kind) mounting_ = mounting ? *mounting : fit_pose_mounting(set_, *problem_.chain);
     if (contact_seen) find_spots();
     for (std::size_t r = 0; r < set_.rows.size(); ++r) add(r);
     return std::move(problem_);
@@ -203,8 +203,9 @@ class Builder {
 
 }  // namespace
 
-LinearProblem make_linear_problem(const ObservationSet& observations, const Machine& machine) {
-  return Builder(observations, machine).build();
+LinearProblem make_linear_problem(const ObservationSet& observations, const Machine& machine,
+                                  const std::optional<PoseMounting>& mounting) {
+  return Builder(observations, machine).build(mounting);
 }
 
 double nonlinear_excess_mm(const LinearProblem& problem, const Reading& reading, const PoseError& delta,

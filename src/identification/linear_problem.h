@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -48,21 +49,22 @@ struct LinearProblem {
   }
 };
 
-/// Builds the problem. Throws InputError, naming file and line, for a contact set without the reference pose, a spot
-/// that stands more than 1 mm or 3 deg from where its label puts it (a mixed-up label, unit or sense of rotation), or
-/// no rows.
-LinearProblem make_linear_problem(const ObservationSet& observations, const Machine& machine);
-
-/// What the exact reading of a touch exceeds its linear form by, mm: the face, carried by T(Delta), met along the
-/// commanded approach. Zero for other kinds. `spot_offset_mm` is the solved s_k.
-double nonlinear_excess_mm(const LinearProblem& problem, const Reading& reading, const PoseError& delta,
-                           double spot_offset_mm);
-
 /// Mounting of an instrument that reads poses: the instrument's frame from R, and W from the target.
 struct PoseMounting {
   Eigen::Isometry3d instrument_from_r = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d w_from_target = Eigen::Isometry3d::Identity();
 };
+
+/// Builds the problem. Throws InputError, naming file and line, for a contact set without the reference pose, a spot
+/// that stands more than 1 mm or 3 deg from where its label puts it (a mixed-up label, unit or sense of rotation), or
+/// no rows.
+LinearProblem make_linear_problem(const ObservationSet& observations, const Machine& machine,
+                                  const std::optional<PoseMounting>& mounting = {});
+
+/// What the exact reading of a touch exceeds its linear form by, mm: the face, carried by T(Delta), met along the
+/// commanded approach. Zero for other kinds. `spot_offset_mm` is the solved s_k.
+double nonlinear_excess_mm(const LinearProblem& problem, const Reading& reading, const PoseError& delta,
+                           double spot_offset_mm);
 
 /// The mounting with which the nominal kinematics meets the observed poses best. Throws InputError for fewer than three
 /// poses or poses that turn about a single axis only.
