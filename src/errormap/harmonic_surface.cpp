@@ -27,7 +27,10 @@ Eigen::VectorXd HarmonicBasis::tilt_values(Angle a) const { return legendre(tilt
 
 Eigen::VectorXd HarmonicBasis::turn_values(IndexedPosition position) const {
   const double a = position.a.in_radians(), c = position.c.in_radians();
-  const Eigen::VectorXd f = Eigen::Vector3d(1, std::sin(a), 1 - std::cos(a)).head(turn_degree + 1);
+  const Eigen::VectorXd f =
+      (Eigen::Matrix<double, 5, 1>() << 1, std::sin(a), 1 - std::cos(a), std::sin(2 * a), 1 - std::cos(2 * a))
+          .finished()
+          .head(turn_degree + 1);
   Eigen::VectorXd values(turn_functions());
   values[0] = 1;
   Eigen::Index k = 1;
@@ -40,6 +43,8 @@ Eigen::VectorXd HarmonicBasis::turn_values(IndexedPosition position) const {
 
 HarmonicSurface::HarmonicSurface(HarmonicBasis basis, Eigen::VectorXd coefficients)
     : basis_(basis), coefficients_(std::move(coefficients)) {
+  if (basis_.turn_degree < 0 || basis_.turn_degree > 4)
+    throw ModelError("error map: turn_degree " + std::to_string(basis_.turn_degree) + " found, 0 to 4 is wanted");
   if (coefficients_.size() != basis_.coefficient_count())
     throw ModelError("error map: " + std::to_string(coefficients_.size()) + " coefficients, the basis has " +
                      std::to_string(basis_.coefficient_count()));

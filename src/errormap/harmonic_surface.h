@@ -6,13 +6,14 @@ namespace trunnion {
 
 /// A finite basis for the twelve errors. The tilting axis: Legendre polynomials P_0 … P_tilt_degree of the tilt, scaled
 /// to `a_range`. C: a constant (its mean place, as a location error of C has it), and for h = 1 … harmonics the
-/// products of cos(h c), sin(h c) with the first turn_degree + 1 of {1, sin a, 1 - cos a}: an error that stands still
-/// in the slide or in the table is seen by the other through the tilt, and these three are what the tilt makes of it.
+/// products of cos(h c), sin(h c) with the first turn_degree + 1 of {1, sin a, 1 - cos a, sin 2a, 1 - cos 2a}: an error
+/// that stands still in the slide or in the table is seen by the other through the tilt, and the first three are what
+/// the tilt makes of it.
 struct HarmonicBasis {
   Range<Angle> a_range;
   int tilt_degree = 4;
   int harmonics = 2;
-  int turn_degree = 2;  ///< 0, 1 or 2
+  int turn_degree = 2;  ///< 0 to 4
 
   Eigen::Index tilt_functions() const { return tilt_degree + 1; }
   Eigen::Index turn_functions() const { return 1 + 2 * harmonics * (turn_degree + 1); }

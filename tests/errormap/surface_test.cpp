@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "error.h"
 #include "errormap/fields.h"
 #include "errormap/harmonic_surface.h"
@@ -237,6 +239,19 @@ TEST(HarmonicSurface, HoldsWhatTheTiltMakesOfAnErrorThatStandsStill) {
   const RotaryErrors found = surface.at(degrees(-67.5, 50));
   EXPECT_NEAR(found.turn.translation_mm.x(), std::cos(c) * (.3 + .2 * std::sin(a) + .1 * (1 - std::cos(a))), 1e-15);
   EXPECT_NEAR(found.tilt.rotation_rad.x(), (3 * .25 - 1) / 2, 1e-15);  // scaled to -0.5
+}
+
+TEST(HarmonicSurface, HasFiveFunctionsOfTheTiltAtMost) {
+  const HarmonicBasis richest{
+      .a_range = {Angle::degrees(-90), Angle()}, .tilt_degree = 2, .harmonics = 1, .turn_degree = 4};
+  const double a = -0.7, c = 0.4;
+  const Eigen::VectorXd values = richest.turn_values({Angle::radians(a), Angle::radians(c)});
+  ASSERT_EQ(values.size(), 11);
+  EXPECT_NEAR(values[4], std::cos(c) * std::sin(2 * a), kRounding);
+  EXPECT_NEAR(values[10], std::sin(c) * (1 - std::cos(2 * a)), kRounding);
+  HarmonicBasis beyond = richest;
+  beyond.turn_degree = 5;
+  EXPECT_THROW(HarmonicSurface(beyond, Eigen::VectorXd::Zero(beyond.coefficient_count())), ModelError);
 }
 
 TEST(HarmonicSurface, RefusesTheWrongNumberOfCoefficients) {

@@ -330,7 +330,7 @@ std::shared_ptr<RotaryErrorMap> RotaryErrorMap::read(const json& j, const Effect
       basis.tilt_degree = whole("tilt_degree");
       basis.harmonics = whole("harmonics");
       basis.turn_degree = whole("turn_degree");
-      if (basis.turn_degree > 2) throw ModelError(where + ".turn_degree: 0, 1 or 2 is wanted");
+      if (basis.turn_degree > 4) throw ModelError(where + ".turn_degree: 0 to 4 is wanted");
       const json& list = member(entry, "coefficients", where);
       if (!list.is_array() || static_cast<Eigen::Index>(list.size()) != basis.coefficient_count())
         throw ModelError(where + ".coefficients: " + std::to_string(basis.coefficient_count()) + " numbers are wanted");
