@@ -309,7 +309,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
       double scale[2] = {1, 1};
       if (options.free_noise)
         for (int c = 0; c < 2; ++c) scale[c] = std::exp(h[base + c]);
-      hyper.log_variances(h, log_variance, derivative);
+      hyper.log_variances(h.head(base), log_variance, derivative);
       const Evaluation e =
           evaluate(system, log_variance, scale, options.free_noise ? Inverse::full : Inverse::diagonal);
       result.value = e.negative_log;
@@ -335,11 +335,11 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     Eigen::VectorXd start = Eigen::VectorXd::Zero(base + (options.free_noise ? 2 : 0));
     start.head(base) = hyper.pack(options.start.value_or(SmoothPrior{}));
     const Minimum found = minimise(objective, start, 1e-3, 80);
-    fit.prior = hyper.unpack(found.x);
+    fit.prior = hyper.unpack(found.x.head(base));
     if (options.free_noise)
       for (int c = 0; c < 2; ++c) noise[c] = system.count[c] > 0 ? std::exp(found.x[base + c]) : 1.0;
     fit.prior.length_noise = noise[0], fit.prior.angle_noise = noise[1];
-    hyper.log_variances(found.x, log_variance, derivative);
+    hyper.log_variances(found.x.head(base), log_variance, derivative);
   }
   const Evaluation e = evaluate(system, log_variance, noise, Inverse::full);
   fit.log_evidence = -e.negative_log;
