@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "testpiece/flank_fit.h"
 #include "testpiece/profile_filter.h"
 
 namespace trunnion {
@@ -36,9 +37,14 @@ ConeEvaluation evaluate_cone(std::span<const ConeTrace> traces, Angle nominal_ha
   ConeEvaluation result;
   double squares = 0;
   std::size_t count = 0;
-  for (const ConeTrace& trace : traces) {
+  std::vector<ConeTrace> evaluated(traces.begin(), traces.end());
+  for (ConeTrace& trace : evaluated) {
     RoundnessTrace radial = radial_trace(trace, nominal_half_angle);
-    if (options.filter_upr) radial = gaussian_filtered(radial, *options.filter_upr);
+    if (options.filter_upr) {
+      radial = gaussian_filtered(radial, *options.filter_upr);
+      for (std::size_t i = 0; i < radial.radial_mm.size(); ++i)
+        trace.normal_mm[i] = std::cos(nominal_half_angle.in_radians()) * radial.radial_mm[i];
+    }
     const ReferenceCircle lsc = least_squares_circle(radial);
     result.heights.push_back({.h_mm = trace.h_mm,
                               .lsc_mm = lsc.roundness_mm,
@@ -51,6 +57,7 @@ ConeEvaluation evaluate_cone(std::span<const ConeTrace> traces, Angle nominal_ha
     count += trace.normal_mm.size();
   }
   result.rms_mm = std::sqrt(squares / static_cast<double>(count));
+  result.form_mm = fit_flank(evaluated, nominal_half_angle).form_mm;
 
   std::vector<double> h, radius;
   std::vector<Eigen::Vector2d> centers;

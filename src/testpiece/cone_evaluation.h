@@ -35,7 +35,8 @@ struct ConeEvaluation {
   std::optional<Eigen::Vector2d> axis_tilt_rad;  ///< slope of the centres over h: towards phi = 0 and phi = 90 deg
   std::optional<double> concentricity_mm;        ///< largest distance between two centres
   std::optional<double> conicity_mm;             ///< diameter at the lowest less at the highest height, less nominal
-  double rms_mm = 0;                             ///< of all deviations along the normal
+  double form_mm = 0;  ///< largest less smallest deviation from the best fitting cone (fit_flank)
+  double rms_mm = 0;   ///< of all deviations along the normal
 };
 
 struct EvaluationOptions {

@@ -54,7 +54,7 @@ double CutEnvelope::bound_mm(std::size_t index, const Vector3d& point) const {
   return (off - share * node.along_mm).norm() - node.stray_mm - solid_.radius_mm;
 }
 
-void CutEnvelope::search_leaf(std::size_t leaf, const SurfaceRay& ray, double depth_mm, Best& best) const {
+void CutEnvelope::search_leaf(std::size_t leaf, const SurfaceRay& ray, double depth_mm, FirstEntry& best) const {
   const std::size_t last = std::min((leaf + 1) * kLeaf, tools_.size());
   for (std::size_t i = leaf * kLeaf; i < last; ++i) {
     // No entry comes before the point's own distance from the tool.
@@ -62,12 +62,13 @@ void CutEnvelope::search_leaf(std::size_t leaf, const SurfaceRay& ray, double de
     const double s = off.dot(tools_[i].axis_w), clear = solid_.radius_mm + best.entry_mm;
     if (clear > 0 && off.squaredNorm() - s * s > clear * clear) continue;
     const std::optional<RayInterval> t = ray_through(solid_, tools_[i], ray.point_w_mm, ray.normal_w);
-    if (t && t->out_mm > -depth_mm && t->in_mm < best.entry_mm) best = {t->in_mm, leaf};
+    if (!t || t->out_mm <= -depth_mm) continue;
+    if (t->in_mm < best.entry_mm || (t->in_mm == best.entry_mm && i < best.position)) best = {t->in_mm, i};
   }
 }
 
-CutEnvelope::Best CutEnvelope::search(const SurfaceRay& ray, double depth_mm, std::size_t hint) const {
-  Best best{kInfinity, hint};
+FirstEntry CutEnvelope::search(const SurfaceRay& ray, double depth_mm, std::size_t hint) const {
+  FirstEntry best{kInfinity, 0};
   search_leaf(hint, ray, depth_mm, best);
   struct Open {
     std::size_t node;
@@ -78,7 +79,7 @@ CutEnvelope::Best CutEnvelope::search(const SurfaceRay& ray, double depth_mm, st
   stack[open++] = {1, bound_mm(1, ray.point_w_mm)};
   while (open > 0) {
     const Open top = stack[--open];
-    if (top.bound_mm >= best.entry_mm) continue;
+    if (top.bound_mm > best.entry_mm) continue;
     if (top.node >= leaves_) {
       search_leaf(top.node - leaves_, ray, depth_mm, best);
       continue;
@@ -86,21 +87,20 @@ CutEnvelope::Best CutEnvelope::search(const SurfaceRay& ray, double depth_mm, st
     Open near{2 * top.node, bound_mm(2 * top.node, ray.point_w_mm)};
     Open far{2 * top.node + 1, bound_mm(2 * top.node + 1, ray.point_w_mm)};
     if (far.bound_mm < near.bound_mm) std::swap(near, far);
-    if (far.bound_mm < best.entry_mm) stack[open++] = far;
-    if (near.bound_mm < best.entry_mm) stack[open++] = near;
+    if (far.bound_mm <= best.entry_mm) stack[open++] = far;
+    if (near.bound_mm <= best.entry_mm) stack[open++] = near;
   }
   return best;
 }
 
-std::vector<double> CutEnvelope::first_entries_mm(std::span<const SurfaceRay> rays, double depth_mm,
-                                                  unsigned threads) const {
-  std::vector<double> entries(rays.size());
+std::vector<FirstEntry> CutEnvelope::first_entries(std::span<const SurfaceRay> rays, double depth_mm,
+                                                   unsigned threads) const {
+  std::vector<FirstEntry> entries(rays.size());
   in_blocks(rays.size(), threads, [&](std::size_t first, std::size_t last) {
     std::size_t hint = 0;  // neighbouring rays are cut by neighbouring positions
     for (std::size_t i = first; i < last; ++i) {
-      const Best best = search(rays[i], depth_mm, hint);
-      entries[i] = best.entry_mm;
-      hint = best.leaf;
+      entries[i] = search(rays[i], depth_mm, hint);
+      hint = entries[i].position / kLeaf;
     }
   });
   return entries;

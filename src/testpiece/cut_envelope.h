@@ -14,6 +14,13 @@ struct SurfaceRay {
   Eigen::Vector3d normal_w;
 };
 
+/// Where a ray first meets the tool: mm from its point, positive is excess material, and the position of the path
+/// that cuts there (of several alike the first). Infinite where nothing cuts.
+struct FirstEntry {
+  double entry_mm;
+  std::size_t position;
+};
+
 /// What a tool leaves standing that has been at all positions of a path. Along a surface ray material remains up to
 /// the first entry into any position's solid; that is the machined surface.
 ///
@@ -25,10 +32,9 @@ class CutEnvelope {
   /// `reach_mm`: how far above their tips the tools are asked about, at least.
   CutEnvelope(std::vector<ToolInWorkpiece> tools, ToolSolid solid, double reach_mm);
 
-  /// The first entry along each ray, mm from its point: positive is excess material. Material is taken away from
-  /// outside, so that entries which end deeper than `depth_mm` below the point do not count. Infinite where nothing
-  /// cuts. Independent of the number of threads (0: all processors).
-  std::vector<double> first_entries_mm(std::span<const SurfaceRay> rays, double depth_mm, unsigned threads = 0) const;
+  /// The first entry along each ray. Material is taken away from outside, so that entries which end deeper than
+  /// `depth_mm` below the point do not count. Independent of the number of threads (0: all processors).
+  std::vector<FirstEntry> first_entries(std::span<const SurfaceRay> rays, double depth_mm, unsigned threads = 0) const;
 
  private:
   struct Node {
@@ -37,14 +43,10 @@ class CutEnvelope {
     double inverse_square;     ///< 1 / |along|^2
     double stray_mm;
   };
-  struct Best {
-    double entry_mm;
-    std::size_t leaf;
-  };
   Node node_over(std::size_t first, std::size_t last) const;
   double bound_mm(std::size_t node, const Eigen::Vector3d& point) const;
-  void search_leaf(std::size_t leaf, const SurfaceRay& ray, double depth_mm, Best& best) const;
-  Best search(const SurfaceRay& ray, double depth_mm, std::size_t hint) const;
+  void search_leaf(std::size_t leaf, const SurfaceRay& ray, double depth_mm, FirstEntry& best) const;
+  FirstEntry search(const SurfaceRay& ray, double depth_mm, std::size_t hint) const;
 
   std::vector<ToolInWorkpiece> tools_;
   ToolSolid solid_;

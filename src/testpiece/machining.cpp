@@ -22,6 +22,27 @@ constexpr double kTurn = 2 * std::numbers::pi;
                    " mm");
 }
 
+/// What cuts each evaluated point first.
+std::vector<FirstEntry> first_cuts(const TestPiece& piece, const SurfaceGrid& surface,
+                                   std::vector<ToolInWorkpiece> tools, unsigned threads) {
+  double reach = 0;
+  for (const ToolInWorkpiece& tool : tools)
+    reach = std::max(reach, (tool.tip_w_mm - piece.cone.base_center_w_mm).norm());
+  reach += piece.cone.height.in_millimetres() + piece.cone.base_diameter.in_millimetres();
+  double depth = piece.tool.diameter.in_millimetres() / 2;
+  for (const double h : surface.h_mm)
+    depth = std::min(depth, radius_at(piece.cone, Length::millimetres(h)).in_millimetres() / 2);
+
+  std::vector<SurfaceRay> rays;
+  rays.reserve(surface.points.size());
+  for (const ConePoint& on : surface.points) rays.push_back({on.point_w_mm, on.normal_w});
+  const CutEnvelope envelope(std::move(tools), solid_of(piece.tool), reach);
+  std::vector<FirstEntry> entries = envelope.first_entries(rays, depth, threads);
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (!std::isfinite(entries[i].entry_mm)) refuse_uncut(surface, i);
+  return entries;
+}
+
 }  // namespace
 
 SurfaceGrid evaluated_surface(const TestPiece& piece) {
@@ -90,21 +111,28 @@ std::vector<double> first_order_deviation_mm(const TestPiece& piece, const Surfa
 
 std::vector<double> envelope_deviation_mm(const TestPiece& piece, const SurfaceGrid& surface,
                                           std::vector<ToolInWorkpiece> tools, unsigned threads) {
-  double reach = 0;
-  for (const ToolInWorkpiece& tool : tools)
-    reach = std::max(reach, (tool.tip_w_mm - piece.cone.base_center_w_mm).norm());
-  reach += piece.cone.height.in_millimetres() + piece.cone.base_diameter.in_millimetres();
-  double depth = piece.tool.diameter.in_millimetres() / 2;
-  for (const Length h : piece.heights) depth = std::min(depth, radius_at(piece.cone, h).in_millimetres() / 2);
-
-  std::vector<SurfaceRay> rays;
-  rays.reserve(surface.points.size());
-  for (const ConePoint& on : surface.points) rays.push_back({on.point_w_mm, on.normal_w});
-  const CutEnvelope envelope(std::move(tools), solid_of(piece.tool), reach);
-  std::vector<double> deviation = envelope.first_entries_mm(rays, depth, threads);
-  for (std::size_t i = 0; i < deviation.size(); ++i)
-    if (!std::isfinite(deviation[i])) refuse_uncut(surface, i);
+  std::vector<double> deviation;
+  for (const FirstEntry& first : first_cuts(piece, surface, std::move(tools), threads))
+    deviation.push_back(first.entry_mm);
   return deviation;
+}
+
+std::vector<CutPoint> cut_points(const TestPiece& piece, const SurfaceGrid& surface, std::span<const ToolPosition> path,
+                                 const KinematicChain& chain, unsigned threads) {
+  std::vector<ToolInWorkpiece> tools;
+  tools.reserve(path.size());
+  for (const ToolPosition& p : path) tools.push_back(p.nominal);
+  const std::vector<FirstEntry> first = first_cuts(piece, surface, std::move(tools), threads);
+  std::vector<CutPoint> points;
+  points.reserve(first.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const Eigen::Isometry3d r_from_w = chain.r_from_w(path[first[i].position].at);
+    CutPoint point{first[i].position, r_from_w * surface.points[i].point_w_mm,
+                   r_from_w.linear() * surface.points[i].normal_w};
+    point.by_error << -point.normal_r, -point.point_r_mm.cross(point.normal_r);
+    points.push_back(point);
+  }
+  return points;
 }
 
 std::vector<ConeTrace> traces_of(const TestPiece& piece, const SurfaceGrid& surface,

@@ -22,10 +22,7 @@ void* function(const std::string& module, const char* name) {
   return found;
 }
 
-}  // namespace
-
-std::string piece_step(const TestPiece& piece, const std::string& module) {
-  const auto step = reinterpret_cast<TrunnionBrepStep>(function(module, kTrunnionBrepStep));
+TrunnionBrepFrustum frustum_of(const TestPiece& piece) {
   const Eigen::Isometry3d frame = w_from_cone(piece.cone);
   TrunnionBrepFrustum frustum{.half_angle_rad = piece.cone.half_angle.in_radians(),
                               .base_diameter_mm = piece.cone.base_diameter.in_millimetres(),
@@ -40,6 +37,16 @@ std::string piece_step(const TestPiece& piece, const std::string& module) {
     frustum.axis[k] = frame.linear()(k, 2);
     frustum.zero[k] = frame.linear()(k, 0);
   }
+  return frustum;
+}
+
+Eigen::Vector3d vector(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+std::string piece_step(const TestPiece& piece, const std::string& module) {
+  const auto step = reinterpret_cast<TrunnionBrepStep>(function(module, kTrunnionBrepStep));
+  const TrunnionBrepFrustum frustum = frustum_of(piece);
   std::string text;
   char problem[256] = "";
   const auto append = [](void* target, const char* part, std::size_t size) {
@@ -48,6 +55,21 @@ std::string piece_step(const TestPiece& piece, const std::string& module) {
   if (step(&frustum, append, &text, problem, sizeof problem) != 0)
     throw ModelError(std::string("the piece makes no solid: ") + problem);
   return text;
+}
+
+Rulings solid_rulings(const TestPiece& piece, const std::string& module) {
+  const auto open = reinterpret_cast<TrunnionBrepFlankOpen>(function(module, kTrunnionBrepFlankOpen));
+  const auto at = reinterpret_cast<TrunnionBrepFlankAt>(function(module, kTrunnionBrepFlankAt));
+  const auto close = reinterpret_cast<TrunnionBrepFlankClose>(function(module, kTrunnionBrepFlankClose));
+  const TrunnionBrepFrustum frustum = frustum_of(piece);
+  char problem[256] = "";
+  const std::shared_ptr<void> flank(open(&frustum, problem, sizeof problem), close);
+  if (!flank) throw ModelError(std::string("the piece makes no solid: ") + problem);
+  return [=](Angle phi) {
+    TrunnionBrepRuling ruling;
+    at(flank.get(), phi.in_radians(), &ruling);
+    return ConePoint{vector(ruling.point_mm), vector(ruling.normal), vector(ruling.along)};
+  };
 }
 
 std::string brep_module() {

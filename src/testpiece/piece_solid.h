@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "testpiece/cone_frustum.h"
+#include "testpiece/tool_path.h"
 
 namespace trunnion {
 
@@ -10,6 +10,9 @@ namespace trunnion {
 /// circle so that the overhanging tool clears it. Made by OpenCASCADE in `module`, the shared object trunnion_brep,
 /// which is loaded for it. Throws ModelError where it cannot be loaded, or made.
 std::string piece_step(const TestPiece& piece, const std::string& module);
+
+/// The flank's rulings as the solid's own surface has them, for flank_milling_path. Throws as piece_step.
+Rulings solid_rulings(const TestPiece& piece, const std::string& module);
 
 /// Where the program's own module lies: beside it, or in the library folder of its installation; empty if in neither.
 std::string brep_module();

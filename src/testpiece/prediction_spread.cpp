@@ -84,40 +84,20 @@ Eigen::VectorXd filtered(const TestPiece& piece, const SurfaceGrid& surface, con
 DeviationSpread::DeviationSpread(const TestPiece& piece, const SurfaceGrid& surface, std::span<const ToolPosition> path,
                                  const KinematicChain& chain, const Model& model, const Situation& known)
     : piece_(piece), surface_(surface) {
-  const std::size_t n = surface.phi_rad.size();
-  // The first position at each evaluated phi.
-  std::vector<const ToolPosition*> cutting(n, nullptr);
-  for (const ToolPosition& p : path) {
-    const double turns = p.phi_rad / kTurn;
-    const double station = (turns - std::floor(turns)) * static_cast<double>(n);
-    const auto k = static_cast<std::size_t>(std::lround(station)) % n;
-    if (std::abs(station - std::round(station)) < 1e-9 && cutting[k] == nullptr) cutting[k] = &p;
-  }
-  const auto rows = static_cast<Eigen::Index>(surface.points.size());
-  Eigen::Matrix<double, Eigen::Dynamic, 6> by_error = Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(rows, 6);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const ToolPosition* p = cutting[static_cast<std::size_t>(i) % n];
-    if (p == nullptr) continue;
-    const ConePoint& on = surface.points[static_cast<std::size_t>(i)];
-    const Eigen::Isometry3d r_from_w = chain.r_from_w(p->at);
-    const Eigen::RowVector3d normal_r = (r_from_w.linear() * on.normal_w).transpose();
-    by_error.row(i) = -normal_r * displacement_jacobian(r_from_w * on.point_w_mm);
-  }
-
+  const std::vector<CutPoint> points = cut_points(piece, surface, path, chain);
+  const auto rows = static_cast<Eigen::Index>(points.size());
   columns_.resize(rows, 0);
   for (const EffectPtr& effect : model.effects) {
     if (effect->origin() != Origin::machine || effect->covariance().size() == 0) continue;
     const Eigen::MatrixXd root = root_of(effect->covariance());
     Eigen::MatrixXd part(rows, root.cols());
-    for (std::size_t k = 0; k < n; ++k) {
-      Matrix6Xd change = Matrix6Xd::Zero(6, root.cols());
-      if (cutting[k] != nullptr) change = effect->basis(situation_at(*cutting[k], piece.tool.length, known)) * root;
-      for (auto i = static_cast<Eigen::Index>(k); i < rows; i += static_cast<Eigen::Index>(n))
-        part.row(i) = by_error.row(i) * change;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const CutPoint& at = points[static_cast<std::size_t>(i)];
+      part.row(i) = at.by_error.transpose() * effect->basis(situation_at(path[at.position], piece.tool.length, known));
     }
     const Eigen::Index before = columns_.cols();
-    columns_.conservativeResize(Eigen::NoChange, before + part.cols());
-    columns_.rightCols(part.cols()) = part;
+    columns_.conservativeResize(Eigen::NoChange, before + root.cols());
+    columns_.rightCols(root.cols()) = part * root;
   }
 
   const RotaryErrorMap* map = model.rotary_map();
@@ -128,13 +108,13 @@ DeviationSpread::DeviationSpread(const TestPiece& piece, const SurfaceGrid& surf
   for (int harmonic = stations / 2 + 1; harmonic <= std::max(stations, 2); ++harmonic) {
     Eigen::MatrixXd part = Eigen::MatrixXd::Zero(rows, 12);
     for (Eigen::Index i = 0; i < rows; ++i) {
-      const ToolPosition* p = cutting[static_cast<std::size_t>(i) % n];
-      if (p == nullptr) continue;
-      Eigen::Matrix<double, 1, 6> sized = by_error.row(i);
+      const CutPoint& at = points[static_cast<std::size_t>(i)];
+      const double c = path[at.position].at.c.in_radians();
+      Vector6d sized = at.by_error;
       sized.head<3>() *= content.interpolation_sigma_mm;
       sized.tail<3>() *= content.interpolation_sigma_rad;
-      part.row(i).head<6>() = std::cos(harmonic * p->at.c.in_radians()) * sized;
-      part.row(i).tail<6>() = std::sin(harmonic * p->at.c.in_radians()) * sized;
+      part.row(i).head<6>() = std::cos(harmonic * c) * sized;
+      part.row(i).tail<6>() = std::sin(harmonic * c) * sized;
     }
     unseen_.push_back(std::move(part));
   }
@@ -219,6 +199,7 @@ PredictionSpread DeviationSpread::around(std::span<const double> deviation_mm, c
     result.half_angle_rad = over_draws([](const ConeEvaluation& e) { return e.half_angle->in_radians(); });
     result.axis_tilt_rad = over_draws([](const ConeEvaluation& e) { return e.axis_tilt_rad->norm(); });
   }
+  result.form_mm = over_draws([](const ConeEvaluation& e) { return e.form_mm; });
   result.rms_mm = over_draws([](const ConeEvaluation& e) { return e.rms_mm; });
   return result;
 }

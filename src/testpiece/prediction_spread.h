@@ -26,6 +26,7 @@ struct PredictionSpread {
   std::vector<HeightSpread> heights;    ///< by Monte Carlo: roundness is not linear
   std::optional<DrawnSpread> half_angle_rad;
   std::optional<DrawnSpread> axis_tilt_rad;  ///< its amount
+  DrawnSpread form_mm;
   DrawnSpread rms_mm;
 };
 

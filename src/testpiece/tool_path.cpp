@@ -21,8 +21,8 @@ Vector3d tool_axis_w(const KinematicChain& chain, IndexedPosition at) {
 /// From one position to the next, with as many between them as C's motion asks for.
 class PathBuilder {
  public:
-  PathBuilder(const TestPiece& piece, const KinematicChain& chain, Angle largest_turn)
-      : piece_(piece), chain_(chain), frame_(w_from_cone(piece.cone)), largest_(largest_turn.in_radians()) {
+  PathBuilder(const TestPiece& piece, const KinematicChain& chain, Angle largest_turn, Rulings rulings)
+      : piece_(piece), chain_(chain), rulings_(std::move(rulings)), largest_(largest_turn.in_radians()) {
     // Where the tool starts upright, C starts where the motion that follows wants it.
     const double ahead = upright(0) ? 1e-6 * piece.sense : 0;
     const Angle c = rotary_position_along(chain_, ruling(ahead), Angle()).c;
@@ -47,7 +47,7 @@ class PathBuilder {
   std::vector<ToolPosition> take() { return std::move(path_); }
 
  private:
-  Vector3d ruling(double phi) const { return cone_point(piece_.cone, frame_, Angle::radians(phi), Length()).ruling_w; }
+  Vector3d ruling(double phi) const { return rulings_(Angle::radians(phi)).ruling_w; }
   bool upright(double phi) const { return ruling(phi).head<2>().norm() < kUpright; }
 
   /// C turns with the tool upright; half a turn goes on in the sense in which C came.
@@ -66,7 +66,7 @@ class PathBuilder {
   }
 
   void append(double phi, Angle c) {
-    const ConePoint base = cone_point(piece_.cone, frame_, Angle::radians(phi), Length());
+    const ConePoint base = rulings_(Angle::radians(phi));
     ToolPosition position{.phi_rad = phi};
     position.nominal.axis_w = base.ruling_w;
     position.nominal.tip_w_mm = base.point_w_mm + 0.5 * piece_.tool.diameter.in_millimetres() * base.normal_w -
@@ -78,7 +78,7 @@ class PathBuilder {
 
   const TestPiece& piece_;
   const KinematicChain& chain_;
-  Eigen::Isometry3d frame_;
+  Rulings rulings_;
   double largest_;
   std::vector<ToolPosition> path_;
 };
@@ -135,18 +135,27 @@ void set_senses(std::vector<ToolPosition>& path, const KinematicChain& chain, Le
   }
 }
 
+void set_times(std::vector<ToolPosition>& path, const TestPiece& piece) {
+  if (!piece.feed_mm_per_min) return;
+  for (std::size_t i = 1; i < path.size(); ++i)
+    path[i].time_s = path[i - 1].time_s +
+                     (path[i].nominal.tip_w_mm - path[i - 1].nominal.tip_w_mm).norm() * 60 / *piece.feed_mm_per_min;
+}
+
+Rulings formula_rulings(const ConeFrustum& cone) {
+  return [cone, frame = w_from_cone(cone)](Angle phi) { return cone_point(cone, frame, phi, Length()); };
+}
+
 std::vector<ToolPosition> flank_milling_path(const TestPiece& piece, const KinematicChain& chain,
-                                             const PathSampling& sampling) {
+                                             const PathSampling& sampling, Rulings rulings) {
   const int per_point = (sampling.steps_per_turn + piece.points - 1) / piece.points;
   const int steps = per_point * piece.points;
-  PathBuilder builder(piece, chain, sampling.largest_turn);
+  if (!rulings) rulings = formula_rulings(piece.cone);
+  PathBuilder builder(piece, chain, sampling.largest_turn, std::move(rulings));
   for (int k = 1; k <= steps; ++k) builder.advance_to(piece.sense * kTurn * k / steps);
   std::vector<ToolPosition> path = builder.take();
   set_senses(path, chain, piece.tool.length);
-  if (piece.feed_mm_per_min)
-    for (std::size_t i = 1; i < path.size(); ++i)
-      path[i].time_s = path[i - 1].time_s +
-                       (path[i].nominal.tip_w_mm - path[i - 1].nominal.tip_w_mm).norm() * 60 / *piece.feed_mm_per_min;
+  set_times(path, piece);
   return path;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <optional>
+#include <functional>
 #include <vector>
 
 #include "kinematics/kinematic_chain.h"
@@ -37,16 +37,26 @@ struct PathSampling {
   Angle largest_turn = Angle::degrees(0.5);  ///< of C between two positions; closer where C runs fast
 };
 
+/// The rulings of a flank: where the one at phi meets the base's circle.
+using Rulings = std::function<ConePoint(Angle phi)>;
+/// Those of the formula, cone_point.
+Rulings formula_rulings(const ConeFrustum& cone);
+
 /// Flank milling of the piece, once round from phi = 0: tool axis along the ruling, tip `overhang` below the base,
 ///   tip = p(phi, 0) + (diameter / 2) normal - overhang ruling,
 /// A <= 0, C unwrapped. Where the tool comes to stand along W's Z (tilt = half angle), C swings there with the tip at
 /// rest. Senses of motion follow from the commands; the first position is taken to be reached by the motion that
 /// follows it. An axis that never moves keeps the sense of every effect's zero.
+/// The surface is that of `rulings` (empty: the formula's).
 std::vector<ToolPosition> flank_milling_path(const TestPiece& piece, const KinematicChain& chain,
-                                             const PathSampling& sampling = {});
+                                             const PathSampling& sampling = {}, Rulings rulings = {});
 
 /// Sets the senses of motion of a path from its commands.
 void set_senses(std::vector<ToolPosition>& path, const KinematicChain& chain, Length tool_length);
+
+/// Sets the times of a path: from 0, by the piece's feed over the nominal tip's way on the workpiece; without a feed
+/// time stands still.
+void set_times(std::vector<ToolPosition>& path, const TestPiece& piece);
 
 /// The slides' positions X Y Z that bring the tip to `tip_r_mm`.
 Eigen::Vector3d slides_mm(const KinematicChain& chain, const Eigen::Vector3d& tip_r_mm, IndexedPosition at,

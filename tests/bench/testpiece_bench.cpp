@@ -53,7 +53,7 @@ void envelope(benchmark::State& state) {
                                       Length::millimetres(20 * static_cast<double>(j) / static_cast<double>(kHeights)));
       rays.push_back({on.point_w_mm, on.normal_w});
     }
-  for (auto _ : state) benchmark::DoNotOptimize(cut.first_entries_mm(rays, 5).data());
+  for (auto _ : state) benchmark::DoNotOptimize(cut.first_entries(rays, 5).data());
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rays.size()));
   state.counters["positions"] = static_cast<double>(path.size());
 }

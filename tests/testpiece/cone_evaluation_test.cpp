@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
 #include "error.h"
+#include "testpiece/flank_fit.h"
 
 namespace trunnion {
 namespace {
@@ -76,6 +78,45 @@ TEST(ConeEvaluation, TheFilterTakesShortWavesOffBeforeTheCirclesAreFitted) {
   EXPECT_NEAR(unfiltered, 2e-3 / std::cos(kHalfAngle.in_radians()), 1e-7);
   EXPECT_NEAR(evaluate_cone(short_waves, kHalfAngle, {.filter_upr = 60}).heights[0].lsc_mm, unfiltered / 2, 1e-7);
   EXPECT_LT(evaluate_cone(short_waves, kHalfAngle, {.filter_upr = 15}).heights[0].lsc_mm, 1e-7);
+}
+
+/// The normal deviation of a cone that was really displaced: turned and shifted points, seen along the nominal normal.
+std::vector<ConeTrace> displaced(const Eigen::Vector3d& shift, const Eigen::Vector3d& turn, double grown) {
+  const double sine = std::sin(kHalfAngle.in_radians()), cosine = std::cos(kHalfAngle.in_radians());
+  return traces({2, 10, 18}, [&](double phi, double h) {
+    const double r = 40 - h * sine / cosine;
+    const Eigen::Vector3d p(r * std::cos(phi), r * std::sin(phi), h);
+    const Eigen::Vector3d normal(cosine * std::cos(phi), cosine * std::sin(phi), sine);
+    return normal.dot(shift + turn.cross(p)) + grown;
+  });
+}
+
+TEST(FlankFit, TakesARigidDisplacementAndSizeOutAndLeavesTheRest) {
+  const FlankFit fit = fit_flank(displaced({3e-3, -2e-3, 0}, {30e-6, -20e-6, 70e-6}, 4e-3), kHalfAngle);
+  EXPECT_NEAR(fit.shift_mm.x(), 3e-3, 1e-12);
+  EXPECT_NEAR(fit.shift_mm.y(), -2e-3, 1e-12);
+  EXPECT_NEAR(fit.tilt_rad.x(), 30e-6, 1e-12);
+  EXPECT_NEAR(fit.tilt_rad.y(), -20e-6, 1e-12);
+  EXPECT_NEAR(fit.size_mm, 4e-3, 1e-12);
+  EXPECT_NEAR(fit.form_mm, 0, 1e-12);
+  // Along its axis a cone moves as it grows.
+  const FlankFit raised = fit_flank(displaced({0, 0, 5e-3}, Eigen::Vector3d::Zero(), 0), kHalfAngle);
+  EXPECT_NEAR(raised.size_mm, 5e-3 * std::sin(kHalfAngle.in_radians()), 1e-12);
+}
+
+TEST(FlankFit, ThreeLobesAndAWrongAngleRemain) {
+  const auto lobes = traces({2, 18}, [](double phi, double) { return 2e-3 * std::cos(3 * phi); });
+  EXPECT_NEAR(fit_flank(lobes, kHalfAngle).form_mm, 4e-3, 1e-9);
+  EXPECT_NEAR(fit_flank(lobes, kHalfAngle).rms_mm, std::sqrt(2) * 1e-3, 1e-9);
+  const auto steeper = traces({0, 20}, [](double, double h) { return 1e-4 * h; });
+  EXPECT_NEAR(fit_flank(steeper, kHalfAngle).form_mm, 2e-3, 1e-9);
+}
+
+TEST(FlankFit, OneHeightIsFittedByTranslations) {
+  const auto one = traces({10}, [](double phi, double) { return 2e-3 * std::cos(phi) + 1e-3; });
+  const FlankFit fit = fit_flank(one, kHalfAngle);
+  EXPECT_NEAR(fit.form_mm, 0, 1e-9);
+  EXPECT_NEAR(fit.size_mm, 1e-3, 1e-9);
 }
 
 TEST(ConeEvaluation, RefusesAPieceWithoutTraces) { EXPECT_THROW(evaluate_cone({}, kHalfAngle), InputError); }

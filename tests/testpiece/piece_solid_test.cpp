@@ -33,6 +33,26 @@ TEST(PieceSolid, IsTheSameTextEveryTime) {
   EXPECT_NE(text.find("AP242"), std::string::npos);
 }
 
+TEST(PieceSolid, ItsOwnSurfaceGuidesTheToolWhereTheFormulaDoes) {
+  constexpr double kRounding = 1e-11;  // mm, and unit vectors: double rounding on 100 mm, near upright times 1/angle
+  for (const auto& [half_angle, tilt, azimuth] :
+       {std::tuple{15.0, 10.0, 0.0}, {45.0, 30.0, -140.0}, {15.0, 30.0, 70.0}, {0.0, 20.0, 33.0}, {30.0, 0.0, 0.0}}) {
+    TestPiece piece = usual_piece(half_angle, tilt);
+    piece.cone.tilt_azimuth = Angle::degrees(azimuth);
+    const KinematicChain chain(trunnion_machine());
+    const PathSampling sampling{.steps_per_turn = 1080};
+    const std::vector<ToolPosition> by_solid =
+        flank_milling_path(piece, chain, sampling, solid_rulings(piece, kModule));
+    const std::vector<ToolPosition> by_formula = flank_milling_path(piece, chain, sampling);
+    ASSERT_EQ(by_solid.size(), by_formula.size()) << half_angle << '/' << tilt;
+    for (std::size_t i = 0; i < by_solid.size(); ++i) {
+      EXPECT_LT((by_solid[i].nominal.tip_w_mm - by_formula[i].nominal.tip_w_mm).norm(), kRounding) << i;
+      EXPECT_LT((by_solid[i].nominal.axis_w - by_formula[i].nominal.axis_w).norm(), kRounding) << i;
+      EXPECT_LT((by_solid[i].tip_r_mm - by_formula[i].tip_r_mm).norm(), 1e3 * kRounding) << i;
+    }
+  }
+}
+
 TEST(PieceSolid, SaysWhatIsMissing) {
   EXPECT_THROW(piece_step(usual_piece(15, 10), "/nowhere/trunnion_brep.so"), ModelError);
   EXPECT_THROW(measured_solid("not STEP", kModule), ModelError);

@@ -9,6 +9,7 @@
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepTools.hxx>
 #include <GProp_GProps.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
@@ -28,6 +29,7 @@
 #include <fstream>
 #include <gp_Ax2.hxx>
 #include <gp_Cone.hxx>
+#include <gp_Cylinder.hxx>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
@@ -75,6 +77,47 @@ TopoDS_Shape solid(const TrunnionBrepFrustum& f) {
   if (!solids.More()) throw std::runtime_error("frustum and block make no solid");
   return solids.Current();
 }
+
+/// The flank as a face of the solid, asked by its own parameters: u turns about the axis, v runs along the rulings.
+class Flank {
+ public:
+  explicit Flank(const TrunnionBrepFrustum& f) : solid_(solid(f)) {
+    const gp_Dir axis = direction(f.axis), zero = direction(f.zero);
+    for (TopExp_Explorer at(solid_, TopAbs_FACE); at.More(); at.Next()) {
+      const TopoDS_Face face = TopoDS::Face(at.Current());
+      const BRepAdaptor_Surface surface(face);
+      const bool cone = surface.GetType() == GeomAbs_Cone;
+      if (!cone && surface.GetType() != GeomAbs_Cylinder) continue;
+      const gp_Ax3 place = cone ? surface.Cone().Position() : surface.Cylinder().Position();
+      double u_low = 0, u_high = 0, v_low = 0, v_high = 0;
+      BRepTools::UVBounds(face, u_low, u_high, v_low, v_high);
+      const auto height = [&](double v) { return gp_Vec(point(f.base_center_mm), surface.Value(u_low, v)) * axis; };
+      base_v_ = height(v_low) < height(v_high) ? v_low : v_high;
+      along_ = height(v_low) < height(v_high) ? 1 : -1;
+      // u is counted about the surface's own axis from its own x.
+      turn_ = (place.Direction() * axis > 0) == static_cast<bool>(place.Direct()) ? 1 : -1;
+      zero_u_ = turn_ * place.XDirection().AngleWithRef(zero, axis);
+      outward_ = face.Orientation() == TopAbs_REVERSED ? -1 : 1;
+      surface_ = surface;
+      return;
+    }
+    throw std::runtime_error("the solid has no flank");
+  }
+
+  TrunnionBrepRuling at(double phi_rad) const {
+    gp_Pnt on;
+    gp_Vec by_u, by_v;
+    surface_.D1(zero_u_ + turn_ * phi_rad, base_v_, on, by_u, by_v);
+    const gp_Vec normal = outward_ * by_u.Crossed(by_v).Normalized(), along = along_ * by_v.Normalized();
+    return {{on.X(), on.Y(), on.Z()}, {normal.X(), normal.Y(), normal.Z()}, {along.X(), along.Y(), along.Z()}};
+  }
+
+ private:
+  TopoDS_Shape solid_;
+  BRepAdaptor_Surface surface_;
+  double base_v_ = 0, zero_u_ = 0;
+  double along_ = 1, turn_ = 1, outward_ = 1;
+};
 
 void quiet() { Message::DefaultMessenger()->ChangePrinters().Clear(); }
 
@@ -153,3 +196,15 @@ extern "C" int trunnion_brep_measure(const char* text, std::size_t size, double*
     }
   });
 }
+
+extern "C" void* trunnion_brep_flank_open(const TrunnionBrepFrustum* frustum, char* problem, std::size_t problem_size) {
+  Flank* flank = nullptr;
+  guarded(problem, problem_size, [&] { flank = new Flank(*frustum); });
+  return flank;
+}
+
+extern "C" void trunnion_brep_flank_at(const void* flank, double phi_rad, TrunnionBrepRuling* ruling) {
+  *ruling = static_cast<const Flank*>(flank)->at(phi_rad);
+}
+
+extern "C" void trunnion_brep_flank_close(void* flank) { delete static_cast<Flank*>(flank); }
