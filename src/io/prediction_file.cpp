@@ -30,13 +30,37 @@ std::string padded(std::string text, std::size_t width) {
   return text;
 }
 
+json evaluation_json(const ConeEvaluation& evaluation) {
+  json heights = json::array();
+  for (const HeightEvaluation& at : evaluation.heights)
+    heights.push_back({{"h_mm", at.h_mm},
+                       {"lsc_um", 1e3 * at.lsc_mm},
+                       {"mzc_um", 1e3 * at.mzc_mm},
+                       {"mic_um", 1e3 * at.mic_mm},
+                       {"mcc_um", 1e3 * at.mcc_mm},
+                       {"center_um", {1e3 * at.center_mm.x(), 1e3 * at.center_mm.y()}},
+                       {"diameter_mm", at.diameter_mm}});
+  json j = {{"heights", std::move(heights)}, {"half_angle_deg", nullptr}, {"axis_tilt_urad", nullptr}};
+  j["form_um"] = 1e3 * evaluation.form_mm;
+  j["rms_um"] = 1e3 * evaluation.rms_mm;
+  if (evaluation.half_angle) {
+    j["half_angle_deg"] = evaluation.half_angle->in_degrees();
+    j["axis_tilt_urad"] = 1e6 * evaluation.axis_tilt_rad->norm();
+    j["axis_tilt_xy_urad"] = {1e6 * evaluation.axis_tilt_rad->x(), 1e6 * evaluation.axis_tilt_rad->y()};
+    j["concentricity_um"] = 1e3 * *evaluation.concentricity_mm;
+    j["conicity_um"] = 1e3 * *evaluation.conicity_mm;
+  }
+  return j;
+}
+
 }  // namespace
 
-std::string deviations_text(const SurfaceGrid& surface, const PredictedPiece& asked,
-                            const PredictedPiece* uncompensated) {
+std::string deviations_text(const SurfaceGrid& surface, std::span<const PredictedPiece> pieces, std::size_t asked) {
   std::string text = "phi_deg,h_mm,x_mm,y_mm,z_mm,nx,ny,nz,deviation_um";
-  if (uncompensated != nullptr) text += ",uncompensated_um";
-  if (asked.spread) text += ",sd_um";
+  for (std::size_t k = 0; k < pieces.size(); ++k)
+    if (k != asked) text += "," + pieces[k].name + "_um";
+  const bool uncertain = pieces[asked].spread.has_value();
+  if (uncertain) text += ",sd_um";
   text += '\n';
   const std::size_t n = surface.phi_rad.size();
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
@@ -49,49 +73,67 @@ std::string deviations_text(const SurfaceGrid& surface, const PredictedPiece& as
     append(surface.h_mm[i / n]);
     for (const double v : on.point_w_mm) append(v);
     for (const double v : on.normal_w) append(v);
-    append(1e3 * asked.deviation_mm[i]);
-    if (uncompensated != nullptr) append(1e3 * uncompensated->deviation_mm[i]);
-    if (asked.spread) append(1e3 * asked.spread->deviation_sd_mm[i]);
+    append(1e3 * pieces[asked].deviation_mm[i]);
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      if (k != asked) append(1e3 * pieces[k].deviation_mm[i]);
+    if (uncertain) append(1e3 * pieces[asked].spread->deviation_sd_mm[i]);
     text += '\n';
   }
   return text;
 }
 
-json evaluation_json(const ConeEvaluation& evaluation) {
-  json heights = json::array();
-  for (const HeightEvaluation& at : evaluation.heights)
-    heights.push_back({{"h_mm", at.h_mm},
-                       {"lsc_um", 1e3 * at.lsc_mm},
-                       {"mzc_um", 1e3 * at.mzc_mm},
-                       {"mic_um", 1e3 * at.mic_mm},
-                       {"mcc_um", 1e3 * at.mcc_mm},
-                       {"center_um", {1e3 * at.center_mm.x(), 1e3 * at.center_mm.y()}},
-                       {"diameter_mm", at.diameter_mm}});
-  json j = {{"heights", std::move(heights)}, {"half_angle_deg", nullptr}, {"axis_tilt_urad", nullptr}};
-  j["rms_um"] = 1e3 * evaluation.rms_mm;
-  if (evaluation.half_angle) {
-    j["half_angle_deg"] = evaluation.half_angle->in_degrees();
-    j["axis_tilt_urad"] = 1e6 * evaluation.axis_tilt_rad->norm();
-    j["axis_tilt_xy_urad"] = {1e6 * evaluation.axis_tilt_rad->x(), 1e6 * evaluation.axis_tilt_rad->y()};
-    j["concentricity_um"] = 1e3 * *evaluation.concentricity_mm;
-    j["conicity_um"] = 1e3 * *evaluation.conicity_mm;
-  }
+RemovedShares removed_shares(const TestPiece& piece, const ConeEvaluation& before, const ConeEvaluation& after) {
+  constexpr double kNothing_mm = 1e-9;
+  const auto share = [](double from, double to) {
+    return from > kNothing_mm ? std::optional<double>(1 - to / from) : std::nullopt;
+  };
+  const auto worst = [](const ConeEvaluation& e, auto value) {
+    double most = 0;
+    for (const HeightEvaluation& at : e.heights) most = std::max(most, value(at));
+    return most;
+  };
+  const auto removed = [&](auto value) { return share(worst(before, value), worst(after, value)); };
+  return {.rms = share(before.rms_mm, after.rms_mm),
+          .roundness = removed([](const HeightEvaluation& at) { return at.lsc_mm; }),
+          .form = share(before.form_mm, after.form_mm),
+          .position = removed([](const HeightEvaluation& at) { return at.center_mm.norm(); }),
+          .size = removed([&](const HeightEvaluation& at) {
+            const Length nominal = 2 * radius_at(piece.cone, Length::millimetres(at.h_mm));
+            return std::abs(at.diameter_mm - nominal.in_millimetres());
+          })};
+}
+
+json removed_json(const RemovedShares& removed) {
+  json j;
+  const auto put_share = [&](const char* name, const std::optional<double>& share) {
+    j[name] = share ? json(*share) : json(nullptr);
+  };
+  put_share("rms", removed.rms);
+  put_share("roundness", removed.roundness);
+  put_share("form", removed.form);
+  put_share("position", removed.position);
+  put_share("size", removed.size);
   return j;
 }
 
-json evaluation_json(const TestPiece& piece, const SurfaceGrid& surface, const PredictedPiece& predicted) {
-  json j = evaluation_json(predicted.evaluation);
+json evaluation_json(const TestPiece& piece, std::span<const ConeTrace> traces, const ConeEvaluation& evaluation) {
+  json j = evaluation_json(evaluation);
   double largest = 0;
-  for (const double d : predicted.deviation_mm) largest = std::max(largest, std::abs(d));
+  for (const ConeTrace& trace : traces)
+    for (const double d : trace.normal_mm) largest = std::max(largest, std::abs(d));
   j["max_um"] = 1e3 * largest;
-  const std::vector<ConeTrace> traces = traces_of(piece, surface, predicted.deviation_mm);
-  const int highest = std::min(kHighestUndulation, (piece.points - 1) / 2);
   for (std::size_t i = 0; i < traces.size(); ++i) {
+    const int highest = std::min(kHighestUndulation, (static_cast<int>(traces[i].phi_rad.size()) - 1) / 2);
     json waves = json::array();
     for (const Undulation& u : undulations(radial_trace(traces[i], piece.cone.half_angle), highest))
       if (u.per_turn >= 2) waves.push_back({{"per_turn", u.per_turn}, {"amplitude_um", 1e3 * u.amplitude_mm}});
     j["heights"][i]["undulations"] = std::move(waves);
   }
+  return j;
+}
+
+json evaluation_json(const TestPiece& piece, const SurfaceGrid& surface, const PredictedPiece& predicted) {
+  json j = evaluation_json(piece, traces_of(piece, surface, predicted.deviation_mm), predicted.evaluation);
   if (!predicted.spread) return j;
   const PredictionSpread& spread = *predicted.spread;
   for (std::size_t i = 0; i < spread.heights.size(); ++i) {
@@ -108,6 +150,7 @@ json evaluation_json(const TestPiece& piece, const SurfaceGrid& surface, const P
     put(j, "half_angle_deg", *spread.half_angle_rad, Angle::degrees(1).in_radians());
     put(j, "axis_tilt_urad", *spread.axis_tilt_rad, 1e-6);
   }
+  put(j, "form_um", spread.form_mm, 1e-3);
   put(j, "rms_um", spread.rms_mm, 1e-3);
   return j;
 }

@@ -137,19 +137,37 @@ TEST(PredictionFile, CarriesTheColumnsAndKeysOfTheContract) {
   TestPiece piece = usual_piece(15, 10);
   piece.points = 12;
   const SurfaceGrid surface = evaluated_surface(piece);
-  PredictedPiece found{.deviation_mm = std::vector<double>(36, 1e-3)};
+  PredictedPiece found{.name = "uncompensated", .deviation_mm = std::vector<double>(36, 1e-3)};
   found.evaluation = evaluate_cone(traces_of(piece, surface, found.deviation_mm), piece.cone.half_angle);
-  const std::string csv = deviations_text(surface, found, nullptr);
+  PredictedPiece other = found;
+  other.name = "corrected";
+  const std::string csv = deviations_text(surface, std::span(&found, 1), 0);
   EXPECT_THAT(csv, StartsWith("phi_deg,h_mm,x_mm,y_mm,z_mm,nx,ny,nz,deviation_um\n0,2,"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 37);
   EXPECT_THAT(csv, HasSubstr("\n330,18,"));
-  EXPECT_THAT(deviations_text(surface, found, &found), HasSubstr("deviation_um,uncompensated_um\n"));
+  const std::vector<PredictedPiece> both = {found, other};
+  EXPECT_THAT(deviations_text(surface, both, 1), HasSubstr("deviation_um,uncompensated_um\n"));
   const nlohmann::json j = evaluation_json(piece, surface, found);
   for (const char* key : {"heights", "half_angle_deg", "axis_tilt_urad", "rms_um"}) EXPECT_TRUE(j.contains(key)) << key;
   for (const char* key : {"h_mm", "lsc_um", "mzc_um", "mic_um", "mcc_um", "center_um", "diameter_mm"})
     EXPECT_TRUE(j["heights"][0].contains(key)) << key;
   EXPECT_NEAR(j["rms_um"].get<double>(), 1, 1e-12);
   EXPECT_NEAR(j["half_angle_deg"].get<double>(), 15, 1e-9);
+  EXPECT_NEAR(j["form_um"].get<double>(), 0, 1e-9);
+}
+
+TEST(RemovedShares, TellWhatIsGoneAndNothingWhereNothingWas) {
+  const TestPiece piece = parse_piece(kPiece, "p.toml");
+  HeightEvaluation at{.h_mm = 2, .lsc_mm = 4e-3, .center_mm = {3e-3, 4e-3}};
+  at.diameter_mm = 2 * radius_at(piece.cone, Length::millimetres(2)).in_millimetres() - 8e-3;
+  const ConeEvaluation before{.heights = {at}, .rms_mm = 2e-3};
+  at.lsc_mm = 1e-3, at.center_mm = {0, 1e-3}, at.diameter_mm += 10e-3;
+  const RemovedShares removed = removed_shares(piece, before, {.heights = {at}, .rms_mm = 3e-3});
+  EXPECT_NEAR(*removed.roundness, 0.75, 1e-12);
+  EXPECT_NEAR(*removed.position, 0.8, 1e-12);
+  EXPECT_NEAR(*removed.size, 0.75, 1e-9);  // 8 um too small became 2 um too large
+  EXPECT_NEAR(*removed.rms, -0.5, 1e-12);
+  EXPECT_FALSE(removed.form.has_value());
 }
 
 }  // namespace

@@ -1,0 +1,171 @@
+#include "app/piece_cutting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "app/text_table.h"
+#include "compensation/controller.h"
+#include "compensation/verification.h"
+#include "error.h"
+#include "io/machine_file.h"
+#include "io/text_file.h"
+#include "model/effects/rotary_error_map.h"
+#include "postproc/correction.h"
+#include "postproc/model_field.h"
+#include "postproc/playback.h"
+
+namespace trunnion {
+namespace {
+
+constexpr double kStep_mm = 0.1, kStep_deg = 0.1;  ///< between two positions of a program's path
+
+OpenProgram opened(const std::string& text) {
+  return [&text] {
+    return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
+      const std::size_t taken = text.copy(buffer, size, at);
+      at += taken;
+      return taken;
+    };
+  };
+}
+
+Range<Angle> stroke(const Machine& machine) {
+  return machine.tilt().range_angle.value_or(Range<Angle>{Angle::degrees(-180), Angle::degrees(180)});
+}
+
+CorrectionSettings settings(const CuttingSetup& setup, ToolCentrePoint tcp) {
+  return {.tcp = tcp,
+          .largest_rotary_change = setup.machine.limits.rotary_word,
+          .tool_length_mm = setup.piece.tool.length.in_millimetres()};
+}
+
+/// Changes a path position by position.
+template <class Correction>
+std::vector<ToolPosition> recommanded(const CuttingSetup& setup, std::vector<ToolPosition> path, Correction of) {
+  const Eigen::Vector3d gauge(0, 0, -setup.piece.tool.length.in_millimetres());
+  for (ToolPosition& p : path) {
+    const AxisCorrection correction = of(p);
+    const IndexedPosition to{p.at.a + Angle::radians(correction.tilt_rad),
+                             p.at.c + Angle::radians(correction.turn_rad)};
+    p.tip_r_mm += correction.linear_mm + (setup.chain.r_from_t(to) * gauge - setup.chain.r_from_t(p.at) * gauge);
+    p.at = to;
+  }
+  set_senses(path, setup.chain, setup.piece.tool.length);
+  return path;
+}
+
+std::vector<TableFile> files_in(const std::string& folder) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(folder)) throw InputError(folder, "a folder written by trunnion tables is wanted");
+  std::vector<TableFile> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files.push_back({fs::relative(entry.path(), folder).generic_string(), read_text(entry.path().string())});
+  std::ranges::sort(files, {}, &TableFile::name);
+  return files;
+}
+
+}  // namespace
+
+PieceCutting::PieceCutting(const CuttingSetup& setup) : setup_(setup) {
+  for (const auto& [name, value] : setup_.job.covariates) {
+    if (name == "time_s") known_.time_s = value;
+    if (name == "temperature_C") known_.temperature_C = value;
+    names_.push_back(name);
+    values_.push_back(value);
+  }
+  known_.extra = {&names_, values_.data()};
+}
+
+std::vector<std::string> PieceCutting::unknown_moments() const {
+  const std::string tilt_dir = std::string(1, setup_.machine.tilt_letter()) + "_dir";
+  std::vector<std::string> notes;
+  for (const std::string& column : needed_covariates(setup_.model)) {
+    const bool timed = column == "time_s" && setup_.piece.feed_mm_per_min;
+    if (column == tilt_dir || column == "C_dir" || timed || setup_.job.covariates.contains(column)) continue;
+    notes.push_back("effects of " + column + " stand at their zero: the piece does not tell it" +
+                    (column == "time_s" ? " (path.feed_mm_per_min would)" : ""));
+  }
+  return notes;
+}
+
+void PieceCutting::check_reach(std::span<const ToolPosition> path, const std::string& name) const {
+  const RotaryErrorMap* map = setup_.model.rotary_map();
+  const auto& stroke = setup_.machine.tilt().range_angle;
+  const auto degrees = [](Angle a) { return formatted("%.6g", a.in_degrees()); };
+  const auto refuse = [&](const ToolPosition& p, const std::string& what, const Range<Angle>& range) {
+    throw RangeError(name + ": at phi " + degrees(Angle::radians(p.phi_rad)) + " deg " + setup_.machine.tilt_letter() +
+                     " stands at " + degrees(p.at.a) + " deg, " + what + degrees(range.low) + " to " +
+                     degrees(range.high) + " deg");
+  };
+  for (const ToolPosition& p : path) {
+    if (map != nullptr && !map->surface().covers(p.at.a)) refuse(p, "probed is ", map->surface().a_range());
+    if (stroke && (p.at.a < stroke->low || p.at.a > stroke->high)) refuse(p, "its stroke is ", *stroke);
+  }
+}
+
+ScanSettings PieceCutting::scan_settings() const {
+  ScanSettings scan{.work_offsets_mm = setup_.job.work_offsets_mm, .tcp = setup_.machine.tcp == "on"};
+  scan.letters[kTilt] = setup_.machine.tilt_letter();
+  if (setup_.tip_in_w) scan.tcp = scan.tcp_forced = true;
+  return scan;
+}
+
+std::vector<ToolPosition> PieceCutting::path_of(const std::string& program, const std::string& name) const {
+  const KinematicChain& chain = setup_.chain;
+  const ScanSettings scan = scan_settings();
+  const ModelField field(setup_.model, setup_.job.covariates, stroke(setup_.machine));
+  const Corrector nominal(chain, field, settings(setup_, scan.tcp ? ToolCentrePoint::on : ToolCentrePoint::off));
+  const Eigen::Isometry3d cone_from_w = w_from_cone(setup_.piece.cone).inverse(Eigen::Isometry);
+  std::vector<ToolPosition> path;
+  for (const PlayedPlace& place : played_places(opened(program), scan, kStep_mm, kStep_deg)) {
+    const Commanded commanded{{place.at[0], place.at[1], place.at[2]},
+                              {Angle::degrees(place.at[kTilt]), Angle::degrees(place.at[kTurn])}};
+    ToolPosition p{.at = commanded.rotary, .tip_r_mm = nominal.nominal_tip_r(commanded)};
+    p.nominal.tip_w_mm = nominal.nominal_tip_w(commanded);
+    p.nominal.axis_w =
+        chain.r_from_w(p.at).linear().transpose() * (chain.r_from_t(p.at).linear() * Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d in_cone =
+        cone_from_w * (p.nominal.tip_w_mm + setup_.piece.tool.overhang.in_millimetres() * p.nominal.axis_w);
+    p.phi_rad = std::atan2(in_cone.y(), in_cone.x());
+    path.push_back(p);
+  }
+  if (path.empty()) throw InputError(name, "no block that moves at feed with every axis known");
+  set_senses(path, chain, setup_.piece.tool.length);
+  set_times(path, setup_.piece);
+  return path;
+}
+
+std::string PieceCutting::corrected(const std::string& program, const std::string& name) const {
+  const ModelField field(setup_.model, setup_.job.covariates, stroke(setup_.machine));
+  const Corrector with_tcp(setup_.chain, field, settings(setup_, ToolCentrePoint::on));
+  const Corrector without_tcp(setup_.chain, field, settings(setup_, ToolCentrePoint::off));
+  ProgramCorrection how;
+  how.scan = scan_settings();
+  how.guard = guard_of(setup_.machine);
+  how.name = name;
+  how.header = "machine " + setup_.machine.name + ", serial " + setup_.machine.serial;
+  std::string text;
+  correct_program(
+      opened(program), [&](std::string_view part) { text += part; }, with_tcp, without_tcp, how);
+  return text;
+}
+
+std::vector<ToolPosition> PieceCutting::under_tables(const std::vector<ToolPosition>& path,
+                                                     const std::string& folder) const {
+  const std::unique_ptr<PlayedCompensation> played = play_tables(files_in(folder), setup_.machine, setup_.model);
+  return recommanded(setup_, path, [&](const ToolPosition& p) {
+    return played->at(situation_at(p, setup_.piece.tool.length, known_));
+  });
+}
+
+std::vector<ToolPosition> PieceCutting::ideally_corrected(const std::vector<ToolPosition>& path) const {
+  return recommanded(setup_, path, [&](const ToolPosition& p) {
+    return ideal_correction(setup_.model, setup_.chain, setup_.machine.limits,
+                            situation_at(p, setup_.piece.tool.length, known_));
+  });
+}
+
+}  // namespace trunnion

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "io/job_file.h"
+#include "postproc/motion.h"
+#include "testpiece/machining.h"
+
+namespace trunnion {
+
+/// What a test piece is cut with.
+struct CuttingSetup {
+  const Machine& machine;
+  const Model& model;
+  const TestPiece& piece;
+  const KinematicChain& chain;
+  const Job& job;
+  bool tip_in_w = false;  ///< its programs carry the tip in W, whatever the machine file says of others
+};
+
+/// Where the commands of a test piece bring the tool, by whichever way they are given: a program's text, or a path
+/// under a compensation. What it was given must outlive it.
+class PieceCutting {
+ public:
+  explicit PieceCutting(const CuttingSetup& setup);
+  PieceCutting(const PieceCutting&) = delete;
+  PieceCutting& operator=(const PieceCutting&) = delete;
+
+  /// What the job tells of the moment; `time_s` is that of the beginning.
+  const Situation& known() const { return known_; }
+
+  /// What effects of the model depend on and neither piece nor job tells, in sentences for people.
+  std::vector<std::string> unknown_moments() const;
+  /// Throws RangeError, its message beginning with `name`, for a path with a tilt that was not probed or lies beyond
+  /// the stroke.
+  void check_reach(std::span<const ToolPosition> path, const std::string& name) const;
+
+  /// Where a program puts the tool, read from its text; `name` stands for it in messages. Time runs by the piece's
+  /// feed. Throws InputError for one that never moves at feed with every axis known.
+  std::vector<ToolPosition> path_of(const std::string& program, const std::string& name) const;
+  /// The text that `trunnion correct` would write.
+  std::string corrected(const std::string& program, const std::string& name) const;
+
+  /// A path as the tables of a folder change it, read back and played on the control that its verification names.
+  std::vector<ToolPosition> under_tables(const std::vector<ToolPosition>& path, const std::string& folder) const;
+  /// A path corrected as well as five axes can.
+  std::vector<ToolPosition> ideally_corrected(const std::vector<ToolPosition>& path) const;
+
+  std::vector<ToolInWorkpiece> actual(std::span<const ToolPosition> path) const {
+    return actual_tools(path, setup_.chain, setup_.model, setup_.piece.tool.length, known_);
+  }
+
+ private:
+  ScanSettings scan_settings() const;
+
+  CuttingSetup setup_;
+  Situation known_;
+  std::vector<std::string> names_;  ///< of the job's covariates, to which known_ points
+  std::vector<double> values_;
+};
+
+}  // namespace trunnion
