@@ -16,7 +16,7 @@ import sys
 
 RELATIVE = 1e-4
 ABSOLUTE = 2e-4  # um, urad, mm, deg: a fifth of a nanometre in what reports show
-HASH = re.compile(r"\b[0-9a-f]{12,64}\b")  # of files whose last digits may differ
+HASH = re.compile(r"(?<![\w.])[0-9a-f]{12,64}(?![\w.])")  # of files whose last digits may differ; no decimals
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 

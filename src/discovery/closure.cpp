@@ -535,10 +535,7 @@ class Search {
   void build_model(const SmoothFit& fit) {
     result_.model.machine = {machine_.name, machine_.serial, machine_.structure.code};
     RotaryMapContent content = map_from_surface(problem(), find_grid(problem().poses), fit);
-    content.smooth_basis = fit.basis;
-    content.smooth_method = "gaussian-process";
-    content.smooth_coefficients = fit.coefficients;
-    content.smooth_covariance = fit.covariance;
+    set_smooth_surface(content, problem(), fit);
     result_.model.effects.push_back(std::make_shared<RotaryErrorMap>(std::move(content), effect_context(machine_)));
     Eigen::Index at = 0;
     for (std::size_t k = 0; k < accepted_.size(); ++k) {

@@ -256,13 +256,6 @@ double rms_sigma_um(const LinearProblem& problem) {
   return 1e3 * std::sqrt(sum / static_cast<double>(problem.readings.size()));
 }
 
-void set_smooth(RotaryMapContent& content, const SmoothFit& smooth) {
-  content.smooth_basis = smooth.basis;
-  content.smooth_method = "gaussian-process";
-  content.smooth_coefficients = smooth.coefficients;
-  content.smooth_covariance = smooth.covariance;
-}
-
 }  // namespace
 
 IdentificationResult identify(const ObservationSet& observations, const Machine& machine,
@@ -356,11 +349,11 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
   }
   const bool unseen = fit && !fit->unseen.empty();
   if (result.chosen_interpolation == "gaussian-process") {
-    set_smooth(content, result.smooth);
+    set_smooth_surface(content, problem, result.smooth);
   } else if (const auto method = interpolation_from_name(result.chosen_interpolation)) {
     content.interpolation = *method;
     set_interpolation_sigma(content, problem, result.smooth, grid);
-    if (unseen && options.fill) set_smooth(content, result.smooth);
+    if (unseen && options.fill) set_smooth_surface(content, problem, result.smooth);
   } else {
     throw UsageError("--interpolation: \"" + result.chosen_interpolation +
                      "\" found, one of gaussian-process, trig-cubic, bilinear, natural-neighbour is wanted");

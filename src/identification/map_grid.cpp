@@ -149,6 +149,14 @@ RotaryMapContent map_from_surface(const LinearProblem& problem, const PoseGrid& 
   return content;
 }
 
+void set_smooth_surface(RotaryMapContent& content, const LinearProblem& problem, const SmoothFit& smooth) {
+  SmoothFit kept = without_unseen_constants(smooth, *problem.chain);
+  content.smooth_basis = kept.basis;
+  content.smooth_method = "gaussian-process";
+  content.smooth_coefficients = std::move(kept.coefficients);
+  content.smooth_covariance = std::move(kept.covariance);
+}
+
 RotaryMapContent map_from_poses(const LinearProblem& problem, const PoseGrid& grid, const FreePoseFit& fit,
                                 const SmoothFit& smooth) {
   RotaryMapContent content;

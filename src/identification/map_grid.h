@@ -25,4 +25,7 @@ RotaryMapContent map_from_poses(const LinearProblem& problem, const PoseGrid& gr
 /// The smooth surface at the nodes, split after Eq. (1), with its covariance.
 RotaryMapContent map_from_surface(const LinearProblem& problem, const PoseGrid& grid, const SmoothFit& smooth);
 
+/// Makes the smooth surface what holds between the nodes, without its unseen constants.
+void set_smooth_surface(RotaryMapContent& content, const LinearProblem& problem, const SmoothFit& smooth);
+
 }  // namespace trunnion

@@ -1,6 +1,7 @@
 #include "identification/smooth_fit.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -230,6 +231,39 @@ Matrix6Xd gauged_basis(const KinematicChain& chain, const HarmonicBasis& basis, 
   for (Eigen::Index k = 0; k < turn.size(); ++k)
     b.middleCols<6>(6 * (tilt.size() + k)) = turn[k] * j.here.rightCols<6>() + turn0[k] * j.reference.rightCols<6>();
   return b;
+}
+
+SmoothFit without_unseen_constants(SmoothFit fit, const KinematicChain& chain) {
+  constexpr double kUnseen = 1e-12;  // of the largest eigenvalue: far above rounding, far below what any angle shows
+  constexpr int kTilts = 9;
+  const HarmonicBasis& basis = fit.basis;
+  const Eigen::Index m = basis.coefficient_count();
+  Eigen::VectorXd scale(m);
+  for (Eigen::Index k = 0; k < m; ++k) scale[k] = coefficient_scale(k);
+  Vector6d per_unit;
+  per_unit << Eigen::Vector3d::Constant(1 / kUm), Eigen::Vector3d::Constant(1 / kUrad);
+  Eigen::MatrixXd shown = Eigen::MatrixXd::Zero(m, m);
+  const int turns = 2 * basis.harmonics + 3;
+  for (const Eigen::Vector3d& point : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(100, -70, 130)})
+    for (int i = 0; i < kTilts; ++i)
+      for (int j = 0; j < turns; ++j) {
+        Situation s;
+        s.at = {basis.a_range.low + (i / (kTilts - 1.0)) * (basis.a_range.high - basis.a_range.low),
+                (j / static_cast<double>(turns)) * kFullTurn};
+        s.point_r_mm = point;
+        const Eigen::MatrixXd b = per_unit.asDiagonal() * gauged_basis(chain, basis, s) * scale.asDiagonal();
+        shown.selfadjointView<Eigen::Lower>().rankUpdate(b.transpose());
+      }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shown);
+  const double least = kUnseen * eigen.eigenvalues().maxCoeff();
+  Eigen::Index unseen = 0;
+  while (unseen < m && eigen.eigenvalues()[unseen] < least) ++unseen;
+  const Eigen::MatrixXd away = eigen.eigenvectors().leftCols(unseen);
+  const Eigen::MatrixXd keep = scale.asDiagonal() * (Eigen::MatrixXd::Identity(m, m) - away * away.transpose()) *
+                               scale.cwiseInverse().asDiagonal();
+  fit.coefficients = keep * fit.coefficients;
+  fit.covariance = keep * fit.covariance * keep.transpose();
+  return fit;
 }
 
 HarmonicBasis basis_for(const LinearProblem& problem, int most_harmonics) {

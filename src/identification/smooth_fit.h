@@ -53,6 +53,11 @@ HarmonicBasis basis_for(const LinearProblem& problem, int most_harmonics = 6);
 
 SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothOptions& options = {});
 
+/// The fit without the directions of its coefficients that no pose error shows (constants that one axis can take over
+/// from the other): they are as uncertain as their prior is wide, and their variance, a hundred million times that of
+/// the others, would drown those in a file's last digit. No pose error and none of its variances is changed.
+SmoothFit without_unseen_constants(SmoothFit fit, const KinematicChain& chain);
+
 /// Whitened design of a smooth fit, one row per reading: the basis' coefficients, then the measurement's unknowns, in
 /// units in which the numbers are of order one (um, urad); and the prior precision of each column (0: free).
 struct SmoothDesign {

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "error.h"
+#include "identification/identify.h"
 #include "io/machine_file.h"
+#include "io/observation_file.h"
 #include "io/sha256.h"
 #include "io/text_file.h"
 
@@ -31,6 +34,25 @@ TEST(ModelFile, CarriesTheFitAlong) {
 TEST(ModelFile, WritesNumbersInShortestFormAndListsOnOneLine) {
   const std::string written = model_text(parse_model(kModel, "model.json", kMachine));
   EXPECT_NE(written.find("[0.1, 0.2, -0.3]"), std::string::npos) << written;
+}
+
+/// Constants that no pose shows are uncertain by meters; in the seven digits of a file they must not touch the rest.
+TEST(ModelFile, KeepsTheUncertaintyOfAnIdentifiedModel) {
+  constexpr double kSevenDigits_mm = 1e-8;  // on 0.3 um
+  const std::string samples = TRUNNION_SOURCE_DIR "/samples/calibrate/";
+  const Machine machine = read_machine(samples + "machine.toml");
+  const ObservationSet observations = read_observations(samples + "replica.csv", machine);
+  const Model model = identify(observations, machine, {.interpolation = "gaussian-process"}).model;
+  const Model read = parse_model(model_text(model), "model.json", machine);
+  for (const double a_deg : {-90.0, -75.0, -60.0, -15.0})
+    for (const double c_deg : {0.0, 90.0, 200.0}) {
+      Situation s;
+      s.at = {Angle::degrees(a_deg), Angle::degrees(c_deg)};
+      s.point_r_mm = {80, -40, 100};
+      EXPECT_NEAR(std::sqrt(deviation_covariance_mm2(read, s).trace()),
+                  std::sqrt(deviation_covariance_mm2(model, s).trace()), kSevenDigits_mm)
+          << "A " << a_deg << " C " << c_deg;
+    }
 }
 
 TEST(ModelFile, RefusesTheModelOfAnotherSerialNumber) {
