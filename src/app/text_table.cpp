@@ -1,8 +1,6 @@
 #include "app/text_table.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 namespace trunnion {
 
@@ -33,20 +31,6 @@ std::string text_table(const std::vector<std::vector<std::string>>& rows) {
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";
   }
-  return text;
-}
-
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-std::string with_uncertainty(double value, double std) {
-  int decimals = 2;
-  if (std > 0) decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 6);
-  char text[96];
-  std::snprintf(text, sizeof text, "%.*f +- %.*f", decimals, value, decimals, std);
   return text;
 }
 
