@@ -330,8 +330,14 @@ PlaybackResult play_back(const OpenProgram& original, const OpenProgram& correct
         if (s < 1 && (!meant->feed || !known(meant->from))) continue;
         const Commanded wanted = commanded(meant->at((static_cast<double>(k) + s) / n));
         const Commanded sent = commanded(pieces[k].at(s));
-        before.add(judge.tip_error_mm(wanted, wanted), judge.tilt_error(wanted, wanted.rotary).in_radians(), number);
-        after.add(judge.tip_error_mm(wanted, sent), judge.tilt_error(wanted, sent.rotary).in_radians(), number);
+        const PathStretch there{.line = number,
+                                .tip_before_mm = judge.tip_error_mm(wanted, wanted),
+                                .tip_after_mm = judge.tip_error_mm(wanted, sent),
+                                .tilt_before_rad = judge.tilt_error(wanted, wanted.rotary).in_radians(),
+                                .tilt_after_rad = judge.tilt_error(wanted, sent.rotary).in_radians()};
+        before.add(there.tip_before_mm, there.tilt_before_rad, number);
+        after.add(there.tip_after_mm, there.tilt_after_rad, number);
+        result.along.add(there);
       }
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "postproc/path_trace.h"
 #include "postproc/program_correction.h"
 
 namespace trunnion {
@@ -19,6 +20,7 @@ struct PlaybackResult {
   std::uint64_t samples = 0;  ///< places looked at: ends of what was written, and the middles of feed moves
   PathError before;           ///< of the original program on the machine
   PathError after;            ///< of what was written
+  PathTrace along;            ///< the same along the program
 };
 
 /// A place of a program's feed moves.

@@ -12,6 +12,7 @@
 #include "io/observation_file.h"
 #include "io/observed_ranges.h"
 #include "io/output_file.h"
+#include "io/provenance.h"
 
 namespace trunnion {
 namespace {
@@ -95,12 +96,17 @@ int run(const Options& o, const Talk& talk) {
     inputs.push_back(o.verification);
   }
   ClosureResult result = close_loop(all, calibration_rows, machine);
+  const nlohmann::json provenance = provenance_json(inputs);
   nlohmann::json closure = closure_json(result);
-  result.model.fit = std::make_shared<nlohmann::json>(nlohmann::json{{"method", "closure"},
-                                                                     {"verdict", closure["verdict"]},
-                                                                     {"before", closure["before"]},
-                                                                     {"after", closure["after"]},
-                                                                     {"observed", observed_json(all)}});
+  closure["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
+  closure.update(provenance);
+  nlohmann::json fit = {{"method", "closure"},
+                        {"verdict", closure["verdict"]},
+                        {"before", closure["before"]},
+                        {"after", closure["after"]},
+                        {"observed", observed_json(all)}};
+  fit.update(provenance);
+  result.model.fit = std::make_shared<nlohmann::json>(std::move(fit));
   for (const std::size_t i : result.outliers)
     talk.warn(all.place(result.problem.readings[i].row) + ": left out as an outlier" +
               formatted(" (residual %.2f um); touch that spot again", 1e3 * result.residual_after[i]));

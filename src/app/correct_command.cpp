@@ -14,10 +14,12 @@
 #include "app/text_table.h"
 #include "error.h"
 #include "io/job_file.h"
+#include "io/json_text.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
 #include "io/observed_ranges.h"
 #include "io/output_file.h"
+#include "io/provenance.h"
 #include "io/sha256.h"
 #include "io/text_file.h"
 #include "postproc/model_field.h"
@@ -128,6 +130,21 @@ nlohmann::json path_json(const PathError& e) {
           {"orientation_max_line", e.tilt_line}};
 }
 
+nlohmann::json along_json(const PathTrace& along) {
+  nlohmann::json j = {{"lines_per_stretch", along.lines_per_stretch()}};
+  for (const char* column :
+       {"line", "position_before_um", "position_after_um", "orientation_before_urad", "orientation_after_urad"})
+    j[column] = nlohmann::json::array();
+  for (const PathStretch& s : along.stretches()) {
+    j["line"].push_back(s.line);
+    j["position_before_um"].push_back(1e3 * s.tip_before_mm);
+    j["position_after_um"].push_back(1e3 * s.tip_after_mm);
+    j["orientation_before_urad"].push_back(1e6 * s.tilt_before_rad);
+    j["orientation_after_urad"].push_back(1e6 * s.tilt_after_rad);
+  }
+  return j;
+}
+
 nlohmann::json summary_json(const Options& o, const ProgramCorrection& how, const ProgramCorrectionResult& result,
                             const std::optional<PlaybackResult>& played) {
   const CorrectionCounts& c = result.counts;
@@ -158,7 +175,8 @@ nlohmann::json summary_json(const Options& o, const ProgramCorrection& how, cons
     json["playback"] = {{"moves", played->moves},
                         {"places", played->samples},
                         {"before", path_json(played->before)},
-                        {"after", path_json(played->after)}};
+                        {"after", path_json(played->after)},
+                        {"along", along_json(played->along)}};
   return json;
 }
 
@@ -260,22 +278,26 @@ int run(const Options& o, const Talk& talk) {
   if (!o.report.empty() && result.refusals.empty())
     played = play_back(program_file(o.input), program_file(output.written()), with_tcp, without_tcp, how, result);
   const double room_mm = how.guard.tolerance_mm + kRoundingRoom * std::pow(10.0, -o.decimals);
-  const nlohmann::json summary = summary_json(o, how, result, played);
+  nlohmann::json summary = summary_json(o, how, result, played);
+  summary["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
+  std::vector<std::string> evidence = {o.machine, o.model};  // not the program: it may be a stream, or huge
+  if (!o.job.empty()) evidence.push_back(o.job);
+  summary.update(provenance_json(evidence));
   if (played && played->after.largest_tip_mm > room_mm && result.counts.beyond_tolerance == 0) {
-    write_whole(o.report, summary.dump(1) + "\n", inputs);
+    write_whole(o.report, json_text(summary), inputs);
     throw RefusalError(o.input + ":" + std::to_string(played->after.tip_line) + ": played back, the tip is still " +
                        formatted("%.3f um", 1e3 * played->after.largest_tip_mm) +
                        " off; nothing was written but the report");
   }
   output.commit();
-  if (!o.report.empty()) write_whole(o.report, summary.dump(1) + "\n", inputs);
+  if (!o.report.empty()) write_whole(o.report, json_text(summary), inputs);
   if (result.counts.copied_moves > 0)
     talk.warn(std::to_string(result.counts.copied_moves) +
               " blocks move before every axis was programmed (or after G28, G53 or a tool change): copied");
   if (result.counts.beyond_tolerance > 0)
     talk.warn(std::to_string(result.counts.beyond_tolerance) +
               " blocks do not hold the tolerance between their ends, however often divided");
-  if (talk.json) std::printf("%s\n", summary.dump(1).c_str());
+  if (talk.json) std::fputs(json_text(summary).c_str(), stdout);
   talk.show(summary_text(result, played));
   talk.say("wrote " + o.output);
   return result.refusals.empty() ? 0 : 1;

@@ -5,8 +5,8 @@
 #include <new>
 
 #include "app/command.h"
-#include "app/version.h"
 #include "error.h"
+#include "io/provenance.h"
 #include "units/nearest_name.h"
 
 namespace trunnion {
@@ -56,7 +56,7 @@ std::string usage_text(const CLI::App& program, const CLI::ParseError& error, co
 
 int run(int argc, char** argv) {
   CLI::App program("Errors of five-axis machines with a tilting rotary table: identify, correct, verify.", "trunnion");
-  program.set_version_flag("--version", std::string("trunnion ") + kVersion);
+  program.set_version_flag("--version", program_version());
   program.require_subcommand(1);
   program.footer(
       "trunnion COMMAND --help explains each command.\n"

@@ -16,6 +16,7 @@
 #include "io/model_file.h"
 #include "io/output_file.h"
 #include "io/piece_file.h"
+#include "io/provenance.h"
 #include "io/text_file.h"
 #include "testpiece/part_view.h"
 #include "testpiece/piece_program.h"
@@ -128,6 +129,8 @@ class Prediction {
     output_.add("part_" + name + ".glb", part_glb(shown, surface, deviation, o_.magnify));
     output_.add("map_" + name + ".svg",
                 unrolled_map_svg("Deviation of the flank, " + name, surface.phi_rad.size(), surface.h_mm, deviation));
+    flanks_.push_back({name, std::move(deviation)});
+    flank_ = surface;
   }
 
   void spread() {
@@ -148,6 +151,7 @@ class Prediction {
 
   void write() {
     output_.add("deviations.csv", deviations_text(surface_, pieces_, asked()));
+    if (!flanks_.empty()) output_.add("flank.csv", flank_text(flank_, flanks_));
     if (o_.program.empty()) output_.add("program.ngc", program_);
     if (o_.corrected) output_.add("program_corrected.ngc", corrected_program_);
     if (!brep_.empty())
@@ -198,9 +202,11 @@ class Prediction {
     summary_ = {{"format", "trunnion-prediction"},
                 {"version", 1},
                 {"machine", {{"name", machine_.name}, {"serial", machine_.serial}}},
+                {"piece", piece_json(piece_)},
                 {"method", o_.first_order ? "first order" : "envelope"},
                 {"positions", path_.size()},
                 {"notes", notes_}};
+    summary_.update(provenance_json(inputs()));
     if (evaluation_.filter_upr) summary_["filter_upr"] = *evaluation_.filter_upr;
     if (pieces_.front().spread) summary_["uncertainty"] = {{"draws", o_.draws}, {"seed", o_.seed}};
     for (const PredictedPiece& p : pieces_) {
@@ -235,6 +241,8 @@ class Prediction {
   std::string program_, corrected_program_;
   std::vector<PredictedPiece> pieces_;
   std::size_t asked_ = 0;
+  SurfaceGrid flank_;  ///< the whole flank, and how it was cut
+  std::vector<CutFlank> flanks_;
   std::vector<ConeTrace> measured_;
   std::vector<std::string> notes_;
   nlohmann::json summary_;

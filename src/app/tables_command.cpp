@@ -12,6 +12,7 @@
 #include "io/machine_file.h"
 #include "io/model_file.h"
 #include "io/output_file.h"
+#include "io/provenance.h"
 #include "io/text_file.h"
 
 namespace trunnion {
@@ -87,7 +88,14 @@ int run(const Options& o, const Talk& talk) {
   }
   OutputFolder folder(o.output, {o.machine, o.model});
   std::set<std::string> stale = before;
-  for (const TableFile& file : set.files) {
+  const nlohmann::json provenance = provenance_json({o.machine, o.model});
+  for (TableFile& file : set.files) {
+    if (file.name == "verification.json") {
+      auto summary = nlohmann::ordered_json::parse(file.text);
+      summary.update(nlohmann::ordered_json(provenance));
+      file.text = summary.dump(2) + "\n";
+      if (talk.json) std::fputs(file.text.c_str(), stdout);
+    }
     folder.add(file.name, file.text);
     stale.erase(file.name);
   }
@@ -95,7 +103,6 @@ int run(const Options& o, const Talk& talk) {
   remove_all_of(o.output, stale);
 
   const Verification& v = set.verification;
-  if (talk.json) std::fputs(verification_json(v, machine).c_str(), stdout);
   talk.show(verification_text(v, machine));
   talk.say("wrote " + std::to_string(set.files.size()) + " files to " + o.output);
   if (v.load_ready()) return 0;

@@ -121,32 +121,50 @@ std::vector<ErrorFinding> summarise(const RotaryMapContent& content, char tilt_l
   return findings;
 }
 
-/// Adds up how far predictions are off, as displacements.
-struct Score {
-  double um2 = 0, urad2 = 0, score2 = 0;
-  std::size_t poses = 0;
+/// Adds up how far predictions are off, as displacements, angle by angle.
+class Score {
+ public:
+  void begin(LeftOutAngle::Of of, Angle angle = {}) { angles_.push_back({.of = of, .angle = angle}); }
   void add(const Vector6d& error) {
-    um2 += error.head<3>().squaredNorm() * 1e6;
-    urad2 += error.tail<3>().squaredNorm() * 1e12;
-    score2 += (error.head<3>().squaredNorm() + kLever_mm * kLever_mm * error.tail<3>().squaredNorm()) * 1e6;
-    ++poses;
+    um2_ += error.head<3>().squaredNorm() * 1e6;
+    urad2_ += error.tail<3>().squaredNorm() * 1e12;
+    angles_.back().score_um +=
+        (error.head<3>().squaredNorm() + kLever_mm * kLever_mm * error.tail<3>().squaredNorm()) * 1e6;
+    ++angles_.back().poses;
   }
   InterpolationEvidence evidence(const std::string& method) const {
-    const double n = std::max<double>(1, static_cast<double>(poses));
-    return {method, std::sqrt(um2 / n), std::sqrt(urad2 / n), std::sqrt(score2 / n), poses};
+    InterpolationEvidence found{.method = method};
+    double score2 = 0;
+    for (LeftOutAngle angle : angles_) {
+      if (angle.poses == 0) continue;
+      score2 += angle.score_um;
+      found.poses += angle.poses;
+      angle.score_um = std::sqrt(angle.score_um / static_cast<double>(angle.poses));
+      found.angles.push_back(angle);
+    }
+    const double n = std::max<double>(1, static_cast<double>(found.poses));
+    found.rms_um = std::sqrt(um2_ / n);
+    found.rms_urad = std::sqrt(urad2_ / n);
+    found.score_um = std::sqrt(score2 / n);
+    return found;
   }
+
+ private:
+  double um2_ = 0, urad2_ = 0;
+  std::vector<LeftOutAngle> angles_;  ///< score_um: the sum of squares so far
 };
 
 /// The groups of poses that are left out together: whole C columns, interior A rows, and the check poses.
 struct Fold {
   std::vector<std::size_t> poses;
-  bool check = false;
+  LeftOutAngle::Of of = LeftOutAngle::Of::turn;
+  Angle angle;
 };
 std::vector<Fold> folds_of(const LinearProblem& problem, const PoseGrid& grid) {
   std::vector<Fold> folds;
   const std::size_t columns = grid.c_stations.size();
-  const auto collect = [&](auto belongs) {
-    Fold fold;
+  const auto collect = [&](LeftOutAngle::Of of, Angle angle, auto belongs) {
+    Fold fold{.poses = {}, .of = of, .angle = angle};
     for (std::size_t k = 0; k < grid.pose_at.size(); ++k)
       if (grid.pose_at[k] >= 0 && belongs(k / columns, k % columns) &&
           !problem.poses[static_cast<std::size_t>(grid.pose_at[k])].reference)
@@ -154,10 +172,12 @@ std::vector<Fold> folds_of(const LinearProblem& problem, const PoseGrid& grid) {
     if (!fold.poses.empty()) folds.push_back(std::move(fold));
   };
   if (columns >= 3)
-    for (std::size_t j = 0; j < columns; ++j) collect([j](std::size_t, std::size_t column) { return column == j; });
+    for (std::size_t j = 0; j < columns; ++j)
+      collect(LeftOutAngle::Of::turn, grid.c_stations[j], [j](std::size_t, std::size_t column) { return column == j; });
   for (std::size_t i = 1; i + 1 < grid.a_stations.size(); ++i)
-    collect([i](std::size_t row, std::size_t) { return row == i; });
-  if (!grid.off_grid.empty()) folds.push_back({grid.off_grid, true});
+    collect(LeftOutAngle::Of::tilt, grid.a_stations[i], [i](std::size_t row, std::size_t) { return row == i; });
+  if (!grid.off_grid.empty())
+    folds.push_back({.poses = grid.off_grid, .of = LeftOutAngle::Of::check_poses, .angle = {}});
   return folds;
 }
 
@@ -190,6 +210,8 @@ InterpolationEvidence node_evidence(Interpolation method, const LinearProblem& p
   const std::size_t columns = grid.c_stations.size();
   const auto leave = [&](std::optional<std::size_t> row, std::optional<std::size_t> column) {
     const std::unique_ptr<ErrorSurface> surface = make_surface(method, without(values, row, column));
+    if (row) score.begin(LeftOutAngle::Of::tilt, grid.a_stations[*row]);
+    if (column) score.begin(LeftOutAngle::Of::turn, grid.c_stations[*column]);
     for (std::size_t k = 0; k < grid.pose_at.size(); ++k) {
       if ((row && k / columns != *row) || (column && k % columns != *column) || grid.pose_at[k] < 0) continue;
       const auto p = static_cast<std::size_t>(grid.pose_at[k]);
@@ -201,6 +223,7 @@ InterpolationEvidence node_evidence(Interpolation method, const LinearProblem& p
   if (columns >= 3)
     for (std::size_t j = 0; j < columns; ++j) leave({}, j);
   for (std::size_t i = 1; i + 1 < grid.a_stations.size(); ++i) leave(i, {});
+  score.begin(LeftOutAngle::Of::check_poses);
   for (const std::size_t p : grid.off_grid)
     if (whole->covers(problem.poses[p].at.a) && !problem.poses[p].reference)
       score.add(predict(*whole, *whole, problem.poses[p].at) - fit.delta[p].vector());
@@ -218,6 +241,7 @@ InterpolationEvidence smooth_evidence(const LinearProblem& problem, const PoseGr
     for (std::size_t i = 0; i < problem.readings.size(); ++i)
       options.weights.push_back(left_out[problem.readings[i].pose] || !used[i] ? 0.0 : 1.0);
     const SmoothFit partial = fit_smooth(problem, smooth.basis, options);
+    score.begin(fold.of, fold.angle);
     for (const std::size_t p : fold.poses)
       if (!problem.poses[p].reference)
         score.add(gauged_basis(*problem.chain, smooth.basis, at_position(problem.poses[p].at)) * partial.coefficients -

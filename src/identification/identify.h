@@ -41,6 +41,14 @@ struct ErrorFinding {
   bool told_from_zero = false;  ///< p_value below 1 %
 };
 
+/// One angle whose poses were left out together, and how far they were missed.
+struct LeftOutAngle {
+  enum class Of { tilt, turn, check_poses } of = Of::turn;
+  Angle angle;          ///< of all these poses; nothing for the check poses
+  double score_um = 0;  ///< displacement at a lever of 100 mm, root mean square
+  std::size_t poses = 0;
+};
+
 /// How well a way of interpolating predicts whole C columns, interior A rows and check poses left out.
 struct InterpolationEvidence {
   std::string method;
@@ -48,6 +56,7 @@ struct InterpolationEvidence {
   double rms_urad = 0;  ///< of theta
   double score_um = 0;  ///< of the displacement at a lever of 100 mm: what is compared
   std::size_t poses = 0;
+  std::vector<LeftOutAngle> angles;
 };
 
 struct IdentificationResult {

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "io/sha256.h"
-#include "io/text_file.h"
+#include "io/provenance.h"
 
 namespace trunnion {
 
@@ -22,6 +21,15 @@ json outlier_json(const IdentificationResult& r, const Outlier& o) {
 
 json position_json(IndexedPosition at, char tilt) {
   return {{std::string(1, tilt) + "_deg", at.a.in_degrees()}, {"C_deg", at.c.in_degrees()}};
+}
+
+/// {"axis": "C", "angle_deg", "displacement_rms_um", "poses"}; the check poses have no axis and no angle.
+json left_out_json(const LeftOutAngle& left, char tilt) {
+  json j = {{"displacement_rms_um", left.score_um}, {"poses", left.poses}};
+  if (left.of == LeftOutAngle::Of::check_poses) return j;
+  j["axis"] = left.of == LeftOutAngle::Of::turn ? "C" : std::string(1, tilt);
+  j["angle_deg"] = left.angle.in_degrees();
+  return j;
 }
 
 }  // namespace
@@ -91,15 +99,17 @@ json identification_json(const IdentificationResult& r, const Machine& machine,
   }
   j["errors"] = std::move(errors);
   json evidence = json::object();
-  for (const InterpolationEvidence& e : r.interpolation)
+  for (const InterpolationEvidence& e : r.interpolation) {
+    json angles = json::array();
+    for (const LeftOutAngle& left : e.angles) angles.push_back(left_out_json(left, tilt));
     evidence[e.method] = {{"displacement_rms_um", e.score_um},
                           {"D_rms_um", e.rms_um},
                           {"theta_rms_urad", e.rms_urad},
-                          {"poses", e.poses}};
+                          {"poses", e.poses},
+                          {"angles", std::move(angles)}};
+  }
   j["interpolation"] = {{"chosen", r.chosen_interpolation}, {"left_out_angles", std::move(evidence)}};
-  json hashes = json::object();
-  for (const std::string& path : inputs) hashes[path.substr(path.find_last_of('/') + 1)] = sha256_hex(read_text(path));
-  j["inputs_sha256"] = std::move(hashes);
+  j.update(provenance_json(inputs));
   return j;
 }
 

@@ -82,6 +82,39 @@ std::string deviations_text(const SurfaceGrid& surface, std::span<const Predicte
   return text;
 }
 
+std::string flank_text(const SurfaceGrid& surface, std::span<const CutFlank> cuts) {
+  std::string text = "phi_deg,h_mm";
+  for (const CutFlank& cut : cuts) text += "," + cut.name + "_um";
+  text += '\n';
+  const std::size_t n = surface.phi_rad.size();
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    append_number(text, 360.0 * static_cast<double>(i % n) / static_cast<double>(n));
+    text += ',';
+    append_number(text, surface.h_mm[i / n]);
+    for (const CutFlank& cut : cuts) {
+      text += ',';
+      append_number(text, 1e3 * cut.deviation_mm[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+json piece_json(const TestPiece& piece) {
+  const ConeFrustum& cone = piece.cone;
+  return {
+      {"kind", "cone_frustum"},
+      {"half_angle_deg", cone.half_angle.in_degrees()},
+      {"base_diameter_mm", cone.base_diameter.in_millimetres()},
+      {"height_mm", cone.height.in_millimetres()},
+      {"base_center_mm", {cone.base_center_w_mm.x(), cone.base_center_w_mm.y(), cone.base_center_w_mm.z()}},
+      {"tilt_deg", cone.tilt.in_degrees()},
+      {"tilt_azimuth_deg", cone.tilt_azimuth.in_degrees()},
+      {"tool",
+       {{"diameter_mm", piece.tool.diameter.in_millimetres()}, {"overhang_mm", piece.tool.overhang.in_millimetres()}}},
+      {"path", {{"sense", piece.sense}}}};
+}
+
 RemovedShares removed_shares(const TestPiece& piece, const ConeEvaluation& before, const ConeEvaluation& after) {
   constexpr double kNothing_mm = 1e-9;
   const auto share = [](double from, double to) {

@@ -31,6 +31,18 @@ RemovedShares removed_shares(const TestPiece& piece, const ConeEvaluation& befor
 /// sd_um where the model knows its uncertainty.
 std::string deviations_text(const SurfaceGrid& surface, std::span<const PredictedPiece> pieces, std::size_t asked);
 
+/// The whole flank as one way of cutting leaves it: deviation_mm[i_height * phi + k].
+struct CutFlank {
+  std::string name;
+  std::vector<double> deviation_mm;
+};
+
+/// `DIR/flank.csv`: phi_deg, h_mm and NAME_um of every way of cutting, over the whole flank.
+std::string flank_text(const SurfaceGrid& surface, std::span<const CutFlank> cuts);
+
+/// The piece as `DIR/prediction.json` carries it, by the keys of its own file.
+nlohmann::json piece_json(const TestPiece& piece);
+
 /// One piece of `DIR/prediction.json`. Beside CONTRACT's keys: spreads as NAME_sd and NAME_95 = [low, high], the axis'
 /// tilt as a vector, concentricity, conicity, form, the largest deviation, undulations 2 to 8 of each height.
 nlohmann::json evaluation_json(const TestPiece& piece, const SurfaceGrid& surface, const PredictedPiece& predicted);

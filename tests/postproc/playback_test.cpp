@@ -42,6 +42,14 @@ TEST(Playback, ShowsTheErrorBeforeAndWhatIsLeft) {
     EXPECT_LT(result.after.largest_tip_mm, 3e-4);
     EXPECT_LT(result.after.largest_tilt_rad, 8e-6);
     EXPECT_LE(result.after.rms_tip_mm, result.after.largest_tip_mm);
+    double before = 0, after = 0;
+    for (const PathStretch& stretch : result.along.stretches()) {
+      before = std::max(before, stretch.tip_before_mm);
+      after = std::max(after, stretch.tip_after_mm);
+    }
+    EXPECT_EQ(before, result.before.largest_tip_mm);
+    EXPECT_EQ(after, result.after.largest_tip_mm);
+    EXPECT_EQ(result.along.stretches().size(), result.moves);
   }
 }
 
