@@ -18,7 +18,7 @@ Colour deviation_colour(double share) {
 }
 
 double round_scale(double largest) {
-  if (!(largest > 0)) return 1;
+  if (!(largest > 1e-3)) return 1;
   const double power = std::pow(10, std::floor(std::log10(largest) + 1e-12));
   for (const double step : {1.0, 2.0, 5.0})
     if (largest <= step * power * (1 + 1e-9)) return step * power;

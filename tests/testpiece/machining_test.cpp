@@ -7,10 +7,10 @@
 
 #include "error.h"
 #include "model/effects/rotary_error_map.h"
-#include "support/brute_force_cut.h"
 #include "support/smooth_machine.h"
 #include "support/undeclared_effects.h"
 #include "testpiece/function_effect.h"
+#include "testpiece/independent_cut.h"
 #include "testpiece/pieces.h"
 
 namespace trunnion {
@@ -51,30 +51,8 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
   return most;
 }
 
-/// What an exact machine cuts, position by position; the path's commands, nothing else of the code under test.
 std::vector<double> cut_by_brute_force(const testing::VirtualMachine& machine, const Setting& s) {
-  std::vector<testing::ToolInWorkpiece> tools;
-  for (const ToolPosition& p : s.path) {
-    testing::MachineState state{.rotary = testing::ac_degrees(p.at.a.in_degrees(), p.at.c.in_degrees()),
-                                .tip_r_mm = p.tip_r_mm,
-                                .time_s = p.time_s};
-    state.rotary_sense.A_rad = p.tilt_sense;
-    state.rotary_sense.C_rad = p.turn_sense;
-    tools.push_back(machine.tool_in_workpiece(state));
-  }
-  const testing::Cutter cutter{0.5 * s.piece.tool.diameter.in_millimetres(),
-                               s.piece.tool.corner_radius.in_millimetres()};
-  std::vector<double> left;
-  // Only positions within 6 deg of a point can matter to it; those far away cut elsewhere or not yet.
-  for (std::size_t i = 0; i < s.surface.points.size(); ++i) {
-    const double phi = s.surface.phi_rad[i % s.surface.phi_rad.size()];
-    std::vector<testing::ToolInWorkpiece> near;
-    for (std::size_t j = 0; j < tools.size(); ++j)
-      if (std::abs(std::remainder(s.path[j].phi_rad - phi, kTurn)) < kTurn / 60) near.push_back(tools[j]);
-    left.push_back(
-        testing::material_left_mm(cutter, near, s.surface.points[i].point_w_mm, s.surface.points[i].normal_w));
-  }
-  return left;
+  return cut_by_brute_force(machine, s.piece, s.surface, s.path);
 }
 
 /// The map that a perfect calibration of the machine gives.

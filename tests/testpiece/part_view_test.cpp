@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "testpiece/colour_bar.h"
 #include "testpiece/colour_scale.h"
 #include "testpiece/pieces.h"
 #include "testpiece/plots.h"
@@ -57,9 +58,14 @@ TEST(PartView, IsAGlbWhoseChunksAndAccessorsAddUp) {
     end += view["byteLength"].get<std::size_t>();
   }
   EXPECT_EQ(end, gltf["buffers"][0]["byteLength"].get<std::size_t>());
-  const std::size_t vertices = gltf["accessors"][0]["count"], indices = gltf["accessors"][3]["count"];
-  const std::size_t offset = gltf["bufferViews"][3]["byteOffset"];
-  for (std::size_t i = 0; i < indices; ++i) ASSERT_LT(word(glb, 28 + text + offset + 4 * i), vertices);
+  for (const auto& mesh : gltf["meshes"]) {
+    const auto& primitive = mesh["primitives"][0];
+    const auto& accessors = gltf["accessors"];
+    const auto& triangles = accessors[primitive["indices"].get<std::size_t>()];
+    const std::size_t vertices = accessors[primitive["attributes"]["POSITION"].get<std::size_t>()]["count"];
+    const std::size_t offset = gltf["bufferViews"][triangles["bufferView"].get<std::size_t>()]["byteOffset"];
+    for (std::size_t i = 0; i < triangles["count"]; ++i) ASSERT_LT(word(glb, 28 + text + offset + 4 * i), vertices);
+  }
   EXPECT_EQ(gltf["asset"]["extras"]["scale_um"], 5);
 }
 
@@ -94,6 +100,33 @@ TEST(PartView, EnclosesTheFrustumsVolumeFacingOutward) {
   EXPECT_GT(volume_mm3(part_glb(scene.piece, scene.surface, thick, 1000)), 1.2 * exact);
 }
 
+TEST(ColourBar, WritesItsEndsInUmAndTheMagnification) {
+  const Mesh plain = colour_bar(20, 0, {100, -5, 0}, 60), magnified = colour_bar(20, 500, {100, -5, 0}, 60);
+  EXPECT_GT(magnified.index.size(), plain.index.size());
+  // Both ends of the scale stand where they belong, in metres with Y up.
+  const auto height_of = [&](Colour c) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < plain.position.size(); ++i)
+      if (plain.colour[i][0] == c[0] && plain.colour[i][1] == c[1] && plain.colour[i][2] == c[2])
+        sum += plain.position[i][1], ++count;
+    EXPECT_GT(count, 0);
+    return sum / count;
+  };
+  EXPECT_LT(height_of(deviation_colour(1.0 / 64 - 1)), 2e-3);
+  EXPECT_GT(height_of(deviation_colour(1 - 1.0 / 64)), 58e-3);
+  for (const auto& p : plain.position) {
+    EXPECT_NEAR(p[2], 5e-3, 1e-7);  // upright in a plane of W's Y
+    EXPECT_GT(p[0], 99.99e-3);
+  }
+  // Every triangle faces -Y of W, which is +Z of glTF.
+  for (std::size_t i = 0; i < magnified.index.size(); i += 3) {
+    const auto at = [&](std::size_t k) { return magnified.position[magnified.index[i + k]]; };
+    const double x1 = at(1)[0] - at(0)[0], y1 = at(1)[1] - at(0)[1], x2 = at(2)[0] - at(0)[0], y2 = at(2)[1] - at(0)[1];
+    EXPECT_GT(x1 * y2 - x2 * y1, 0) << i;
+  }
+  for (const char letter : std::string("0123456789+-.eumx")) EXPECT_FALSE(strokes_of(letter).empty()) << letter;
+}
+
 TEST(ColourScale, IsNeutralInTheMiddleAndHoldsItsEnds) {
   EXPECT_EQ(deviation_colour(0), (Colour{247, 247, 247}));
   EXPECT_EQ(deviation_colour(7), deviation_colour(1));
@@ -104,6 +137,7 @@ TEST(ColourScale, IsNeutralInTheMiddleAndHoldsItsEnds) {
   EXPECT_EQ(round_scale(0.02), 0.02);
   EXPECT_EQ(round_scale(60), 100);
   EXPECT_EQ(round_scale(0), 1);
+  EXPECT_EQ(round_scale(3e-7), 1);  // rounding is no deviation
 }
 
 TEST(Plots, SayWhatTheyShow) {
