@@ -91,19 +91,32 @@ std::vector<std::string> PieceCutting::unknown_moments() const {
   return notes;
 }
 
-void PieceCutting::check_reach(std::span<const ToolPosition> path, const std::string& name) const {
+std::optional<std::string> PieceCutting::beyond_reach(std::span<const ToolPosition> path) const {
+  const Machine& machine = setup_.machine;
   const RotaryErrorMap* map = setup_.model.rotary_map();
-  const auto& stroke = setup_.machine.tilt().range_angle;
-  const auto degrees = [](Angle a) { return formatted("%.6g", a.in_degrees()); };
-  const auto refuse = [&](const ToolPosition& p, const std::string& what, const Range<Angle>& range) {
-    throw RangeError(name + ": at phi " + degrees(Angle::radians(p.phi_rad)) + " deg " + setup_.machine.tilt_letter() +
-                     " stands at " + degrees(p.at.a) + " deg, " + what + degrees(range.low) + " to " +
-                     degrees(range.high) + " deg");
+  const auto& stroke = machine.tilt().range_angle;
+  const auto number = [](double value) { return formatted("%.6g", value); };
+  const auto said = [&](const ToolPosition& p, char axis, double value, const std::string& what, double low,
+                        double high, const std::string& unit) {
+    return "at phi " + number(Angle::radians(p.phi_rad).in_degrees()) + " deg " + axis + " stands at " + number(value) +
+           " " + unit + ", " + what + " " + number(low) + " to " + number(high) + " " + unit;
   };
   for (const ToolPosition& p : path) {
-    if (map != nullptr && !map->surface().covers(p.at.a)) refuse(p, "probed is ", map->surface().a_range());
-    if (stroke && (p.at.a < stroke->low || p.at.a > stroke->high)) refuse(p, "its stroke is ", *stroke);
+    const auto tilt_said = [&](const std::string& what, const Range<Angle>& range) {
+      return said(p, machine.tilt_letter(), p.at.a.in_degrees(), what, range.low.in_degrees(), range.high.in_degrees(),
+                  "deg");
+    };
+    if (map != nullptr && !map->surface().covers(p.at.a)) return tilt_said("probed is", map->surface().a_range());
+    if (stroke && (p.at.a < stroke->low || p.at.a > stroke->high)) return tilt_said("its stroke is", *stroke);
+    const Eigen::Vector3d slides = slides_mm(setup_.chain, p.tip_r_mm, p.at, Length());  // as X Y Z words say it
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const auto& range = machine.axes.at("XYZ"[k]).range_length;
+      if (!range || (slides[k] >= range->low.in_millimetres() && slides[k] <= range->high.in_millimetres())) continue;
+      return said(p, "XYZ"[k], slides[k], "its stroke is", range->low.in_millimetres(), range->high.in_millimetres(),
+                  "mm");
+    }
   }
+  return std::nullopt;
 }
 
 ScanSettings PieceCutting::scan_settings() const {

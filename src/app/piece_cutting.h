@@ -1,6 +1,7 @@
 #pragma once
 
-#include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,9 +34,8 @@ class PieceCutting {
 
   /// What effects of the model depend on and neither piece nor job tells, in sentences for people.
   std::vector<std::string> unknown_moments() const;
-  /// Throws RangeError, its message beginning with `name`, for a path with a tilt that was not probed or lies beyond
-  /// the stroke.
-  void check_reach(std::span<const ToolPosition> path, const std::string& name) const;
+  /// Where a path asks for a tilt that was not probed, or goes beyond a stroke, in words; empty where it does not.
+  std::optional<std::string> beyond_reach(std::span<const ToolPosition> path) const;
 
   /// Where a program puts the tool, read from its text; `name` stands for it in messages. Time runs by the piece's
   /// feed. Throws InputError for one that never moves at feed with every axis known.

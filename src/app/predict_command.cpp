@@ -59,7 +59,7 @@ class Prediction {
     if (o_.first_order && (!o_.program.empty() || o_.corrected))
       throw UsageError("--first-order: it takes the planned path; programs are cut by the envelope");
     lay_path();
-    cutting_.check_reach(path_, o_.piece);
+    if (const auto beyond = cutting_.beyond_reach(path_)) throw RangeError(o_.piece + ": " + *beyond);
     notes_ = cutting_.unknown_moments();
     for (const std::string& note : notes_) talk_.warn(note);
     cut("uncompensated", path_);
@@ -181,11 +181,10 @@ class Prediction {
 
   void judge_piece() {
     const EffectContext context = effect_context(machine_);
-    const Angle steepest = machine_.tilt().range_angle
-                               ? std::min(-1.0 * machine_.tilt().range_angle->low, Angle::degrees(90))
-                               : Angle::degrees(90);
     const std::vector<Sensitivity> found = sensitivities(piece_, context);
-    const BetterPiece better = better_piece(piece_, context, steepest);
+    const BetterPiece better =
+        better_piece(piece_, context, [&](std::span<const ToolPosition> path) { return !cutting_.beyond_reach(path); });
+    output_.add("better_piece.toml", piece_text(better.piece));
     output_.add("sensitivity.json", sensitivity_json(found, better).dump(1) + "\n");
     talk_.show(sensitivity_text(found, better));
   }

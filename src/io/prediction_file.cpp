@@ -21,7 +21,8 @@ void put(json& j, const std::string& name, const DrawnSpread& spread, double uni
 
 std::string fixed(double value, int width, int decimals) {
   char text[64];
-  const int length = std::snprintf(text, sizeof text, "%*.*f", width, decimals, value);
+  const double least = 0.5 * std::pow(10.0, -decimals);  // what rounds to nothing has no sign
+  const int length = std::snprintf(text, sizeof text, "%*.*f", width, decimals, std::abs(value) < least ? 0.0 : value);
   return {text, static_cast<std::size_t>(std::clamp(length, 0, 63))};
 }
 
@@ -51,6 +52,15 @@ json evaluation_json(const ConeEvaluation& evaluation) {
     j["conicity_um"] = 1e3 * *evaluation.conicity_mm;
   }
   return j;
+}
+
+/// What a line says where the roundness does not show it.
+std::string seen_text(const Sensitivity& s) {
+  if (s.seen_in_roundness()) return "";
+  if (s.seen_in.empty()) return "   not seen";
+  std::string text;
+  for (const std::string& in : s.seen_in) text += (text.empty() ? "   only in " : ", ") + in;
+  return text;
 }
 
 }  // namespace
@@ -196,7 +206,7 @@ json sensitivity_json(const std::vector<Sensitivity>& found, const BetterPiece& 
     row["amount"] = s.amount;
     row["unit"] = unit_text(s.unit).text;
     row["size_um"] = 1e3 * s.size_mm;
-    row["seen_in_roundness"] = s.seen_in_roundness;
+    row["seen_in"] = s.seen_in;
     rows.push_back(std::move(row));
   }
   const ConeFrustum& cone = better.piece.cone;
@@ -219,9 +229,10 @@ std::string sensitivity_text(const std::vector<Sensitivity>& found, const Better
     for (const HeightEvaluation& at : s.shown.heights) roundness += fixed(1e3 * at.lsc_mm, 8, 2);
     text += padded(roundness, 28) + fixed(1e3 * s.shown.heights.front().center_mm.norm(), 9, 2) +
             fixed(1e3 * s.size_mm, 10, 2) +
-            (s.shown.axis_tilt_rad ? fixed(1e6 * s.shown.axis_tilt_rad->norm(), 11, 1) : "") +
-            (s.seen_in_roundness ? "" : "   not seen in roundness") + "\n";
+            (s.shown.axis_tilt_rad ? fixed(1e6 * s.shown.axis_tilt_rad->norm(), 11, 1) : "") + "   " + seen_text(s) +
+            "\n";
   }
+  text += "Size: of the cone, or its place along its axis. The part's place and axis are its set-up.\n";
   const ConeFrustum& cone = better.piece.cone;
   text += "A half angle of " + fixed(cone.half_angle.in_degrees(), 0, 0) + " deg, a tilt of " +
           fixed(cone.tilt.in_degrees(), 0, 0) + " deg and a base " + fixed(cone.base_center_w_mm.z(), 0, 0) +

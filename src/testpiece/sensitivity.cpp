@@ -44,31 +44,42 @@ class Bench {
   }
 
   Angle steepest() const { return steepest_; }
+  std::span<const ToolPosition> path() const { return path_; }
 
   /// Component `k` of the tilting axis or of C, `amount` times `shape` of the position.
   Sensitivity of(const std::string& name, bool of_turning_axis, std::size_t k,
                  const std::function<double(IndexedPosition)>& shape) const {
     const double amount = k < 3 ? options_.length.in_millimetres() : options_.angle.in_radians();
-    Model model;
-    model.effects = {std::make_shared<RotaryMotion>(chain_, [=](IndexedPosition at) {
-      Vector6d six = Vector6d::Zero();
-      six[static_cast<Eigen::Index>(k)] = amount * shape(at);
-      RotaryErrors errors;
-      (of_turning_axis ? errors.turn : errors.tilt) = PoseError::from_vector(six);
-      return errors;
-    })};
+    return of(name, amount, component_unit(k), std::make_shared<RotaryMotion>(chain_, [=](IndexedPosition at) {
+                Vector6d six = Vector6d::Zero();
+                six[static_cast<Eigen::Index>(k)] = amount * shape(at);
+                RotaryErrors errors;
+                (of_turning_axis ? errors.turn : errors.tilt) = PoseError::from_vector(six);
+                return errors;
+              }));
+  }
+
+  /// An effect of the given amount.
+  Sensitivity of(const std::string& name, double amount, Unit unit, EffectPtr effect) const {
+    const Model model{.effects = {std::move(effect)}};
     const std::vector<ToolInWorkpiece> tools = actual_tools(path_, *chain_, model, piece_.tool.length);
     const std::vector<ConeTrace> traces =
         traces_of(piece_, surface_, first_order_deviation_mm(piece_, surface_, path_, tools));
     Sensitivity found{.error = name,
-                      .amount = to_unit(amount, component_unit(k)),
-                      .unit = component_unit(k),
+                      .amount = to_unit(amount, unit),
+                      .unit = unit,
                       .shown = evaluate_cone(traces, piece_.cone.half_angle)};
+    double roundness = 0;
     for (std::size_t j = 0; j < traces.size(); ++j) {
       const HeightEvaluation& at = found.shown.heights[j];
       found.size_mm += (at.diameter_mm - 2 * traces[j].nominal_radius_mm) / static_cast<double>(traces.size());
-      found.seen_in_roundness = found.seen_in_roundness || at.lsc_mm >= options_.visible.in_millimetres();
+      roundness = std::max(roundness, at.lsc_mm);
     }
+    const double visible = options_.visible.in_millimetres();
+    if (roundness >= visible) found.seen_in.push_back("roundness");
+    if (found.shown.form_mm >= visible) found.seen_in.push_back("form");
+    if (std::abs(found.size_mm) >= visible) found.seen_in.push_back("size");
+    if (std::abs(found.shown.conicity_mm.value_or(0)) >= visible) found.seen_in.push_back("half angle");
     return found;
   }
 
@@ -93,6 +104,8 @@ double largest_lsc_mm(const Sensitivity& s) {
 
 }  // namespace
 
+bool Sensitivity::seen_in_roundness() const { return std::ranges::find(seen_in, "roundness") != seen_in.end(); }
+
 std::vector<Sensitivity> sensitivities(const TestPiece& piece, const EffectContext& context,
                                        const SensitivityOptions& options) {
   const Bench bench(piece, context, options);
@@ -113,23 +126,26 @@ std::vector<Sensitivity> sensitivities(const TestPiece& piece, const EffectConte
       found.push_back(bench.of(error_symbol(k, 'C') + " sin " + multiple, true, k,
                                [=](IndexedPosition at) { return std::sin(order * at.c.in_radians()); }));
     }
+  const double amount = options.angle.in_radians();
+  for (const EffectPtr& backlash : family_of("backlash").candidates({.context = context}))
+    found.push_back(bench.of(backlash->id(), amount, Unit::urad,
+                             backlash->with_parameters(Eigen::VectorXd::Constant(1, amount), {})));
   return found;
 }
 
-BetterPiece better_piece(const TestPiece& piece, const EffectContext& context, Angle steepest,
+BetterPiece better_piece(const TestPiece& piece, const EffectContext& context, const Reachable& reachable,
                          const SensitivityOptions& options) {
   const auto errors = location_errors(context.tilt_letter);
   struct Candidate {
     TestPiece piece;
     std::vector<double> shown_mm;
   };
-  const auto tried = [&](const TestPiece& p) {
-    const Bench bench(p, context, options);
+  const auto shown_by = [&](const Bench& bench, const TestPiece& p) {
     Candidate candidate{p, {}};
     for (const LocationError& error : errors) candidate.shown_mm.push_back(largest_lsc_mm(bench.of(error)));
     return candidate;
   };
-  std::vector<Candidate> candidates = {tried(piece)};
+  std::vector<Candidate> candidates = {shown_by(Bench(piece, context, options), piece)};
   for (const double half_angle : {10.0, 15.0, 30.0, 45.0})
     for (const double tilt : {5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 70.0})
       for (const double raised : {0.0, 50.0, 100.0}) {
@@ -137,11 +153,11 @@ BetterPiece better_piece(const TestPiece& piece, const EffectContext& context, A
         other.cone.half_angle = Angle::degrees(half_angle);
         other.cone.tilt = Angle::degrees(tilt);
         other.cone.base_center_w_mm.z() += raised;
-        // The flank must reach its top, and the machine its steepest ruling; close to half angle = tilt C runs wild.
-        if (radius_at(other.cone, other.cone.height) <= Length::millimetres(1) ||
-            Angle::degrees(half_angle + tilt) > steepest || std::abs(half_angle - tilt) < 3)
+        // The flank must reach its top; close to half angle = tilt C runs wild.
+        if (radius_at(other.cone, other.cone.height) <= Length::millimetres(1) || std::abs(half_angle - tilt) < 3)
           continue;
-        candidates.push_back(tried(other));
+        const Bench bench(other, context, options);
+        if (reachable(bench.path())) candidates.push_back(shown_by(bench, other));
       }
   BetterPiece result;
   std::vector<std::size_t> visible;

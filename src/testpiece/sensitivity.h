@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,20 +17,26 @@ struct Sensitivity {
   Unit unit = Unit::um;
   ConeEvaluation shown;
   double size_mm = 0;  ///< diameter less nominal, mean over the heights
-  bool seen_in_roundness = false;
+  /// In what a measuring machine tells after it has set the part up: "roundness", "form" (of the flank as a whole),
+  /// "size", "half angle"; place and axis of the part are its set-up and do not count. Empty: it sees nothing.
+  std::vector<std::string> seen_in;
+  bool seen_in_roundness() const;
 };
 
 struct SensitivityOptions {
   Length length = Length::micrometres(10);    ///< amount of a translation
   Angle angle = Angle::microradians(50);      ///< amount of a rotation
-  Length visible = Length::micrometres(0.1);  ///< least roundness (LSC) that counts as seen
+  Length visible = Length::micrometres(0.1);  ///< least roundness (LSC), form or size that counts as seen
 };
 
 /// What the piece shows of each of the eight location errors, and of each error motion up to order 3 by itself: of the
 /// tilting axis its powers 1 to 3, scaled to `amount` at the steepest tilt of the path; of C the harmonics 1 to 3,
-/// cosine and sine. All relative to the reference pose, to first order.
+/// cosine and sine; and of the backlash of either rotary axis. All relative to the reference pose, to first order.
 std::vector<Sensitivity> sensitivities(const TestPiece& piece, const EffectContext& context,
                                        const SensitivityOptions& options = {});
+
+/// Whether the machine can go along a path.
+using Reachable = std::function<bool(std::span<const ToolPosition>)>;
 
 /// A piece of the same size, tool and table place that shows more of the location errors: the half angle, tilt and
 /// height above the table at which the least visible of those that any cone shows is largest.
@@ -38,8 +46,7 @@ struct BetterPiece {
   double least_seen_here_mm = 0;   ///< … and on the piece given
   std::vector<std::string> never;  ///< location errors that no cone of the search shows in its roundness
 };
-/// `steepest`: the largest tilt (positive) that the machine allows.
-BetterPiece better_piece(const TestPiece& piece, const EffectContext& context, Angle steepest,
+BetterPiece better_piece(const TestPiece& piece, const EffectContext& context, const Reachable& reachable,
                          const SensitivityOptions& options = {});
 
 }  // namespace trunnion

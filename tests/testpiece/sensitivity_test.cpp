@@ -10,6 +10,7 @@
 #include "geometric_errors/rotary_errors.h"
 #include "testpiece/function_effect.h"
 #include "testpiece/pieces.h"
+#include "testpiece/profile_filter.h"
 
 namespace trunnion {
 namespace {
@@ -82,6 +83,20 @@ TEST(Sensitivities, OfRotationsGrowWithTheHeightAboveTheTable) {
   }
 }
 
+TEST(Sensitivities, OfTranslationsAreAlikeEverywhereAndOfRotationsVanishBesideTheAxes) {
+  TestPiece piece = usual_piece(15, 10);
+  const auto there = by_name(piece);
+  piece.cone.base_center_w_mm = {0, 0, 0};
+  const auto here = by_name(piece);
+  for (const char* name : {"EX0C", "EY0A", "EY0C"})
+    EXPECT_NEAR(here.at(name).shown.heights[1].lsc_mm, there.at(name).shown.heights[1].lsc_mm, 1e-6) << name;
+  // At mid-height the point lies square to the tool from the axes' crossing.
+  for (const char* name : {"EA0C", "EB0A", "EB0C"}) {
+    EXPECT_LT(here.at(name).shown.heights[1].lsc_mm, 1e-6) << name;
+    EXPECT_GT(here.at(name).shown.heights[2].lsc_mm, 1e-4) << name;
+  }
+}
+
 TEST(Sensitivities, OfErrorMotionsAreThePublishedOnes) {
   const auto found = by_name(usual_piece(15, 10), {.length = Length::micrometres(5), .angle = Angle::microradians(20)});
   const auto middle = [&](const char* name) { return found.at(name).shown.heights[1].lsc_mm * 1e3; };
@@ -93,13 +108,22 @@ TEST(Sensitivities, OfErrorMotionsAreThePublishedOnes) {
   EXPECT_NEAR(middle("EBC sin C"), .65, kTwoDigits);
   EXPECT_NEAR(middle("ECC cos C"), 1.0, kTwoDigits);
   EXPECT_NEAR(middle("ECC cos 2C"), 1.2, kTwoDigits);
-  EXPECT_EQ(found.size(), 8 + 6 * 3 + 6 * 6);
+  EXPECT_EQ(found.size(), 8 + 6 * 3 + 6 * 6 + 2);
 }
 
-/// What a machine with the given rotary errors shows of the usual piece; `reference` is what the workpiece was set up
-/// with (none: errors are not counted from A = C = 0).
-ConeEvaluation shown(const std::function<RotaryErrors(IndexedPosition)>& errors, bool from_reference = true) {
-  const TestPiece piece = usual_piece(15, 10);
+TEST(Sensitivities, OfBacklashAreStepsWhereAnAxisReverses) {
+  const SensitivityOptions options{.angle = Angle::microradians(20)};
+  const auto upright = by_name(usual_piece(15, 10), options), leaning = by_name(usual_piece(15, 30), options);
+  EXPECT_NEAR(upright.at("backlash:A").shown.heights[1].lsc_mm * 1e3, 1.4, kTwoDigits);
+  EXPECT_LT(upright.at("backlash:C").shown.heights[1].lsc_mm, 1e-5);  // C never reverses
+  EXPECT_FALSE(upright.at("backlash:C").seen_in_roundness());
+  EXPECT_GT(leaning.at("backlash:C").shown.heights[1].lsc_mm, 0.5e-3);
+  EXPECT_TRUE(leaning.at("backlash:C").seen_in_roundness());
+}
+
+/// The traces of a piece cut with the given rotary errors, counted from A = C = 0 or not.
+std::vector<ConeTrace> shown_traces(const TestPiece& piece, const std::function<RotaryErrors(IndexedPosition)>& errors,
+                                    bool from_reference = true) {
   const auto chain = std::make_shared<KinematicChain>(trunnion_machine());
   const Model model{.effects = {std::make_shared<FunctionEffect>([=](const Situation& s) {
                       return relative_pose_error(*chain, s.at, errors(s.at),
@@ -107,14 +131,39 @@ ConeEvaluation shown(const std::function<RotaryErrors(IndexedPosition)>& errors,
                     })}};
   const auto path = flank_milling_path(piece, *chain, {.steps_per_turn = 360});
   const SurfaceGrid surface = evaluated_surface(piece);
-  return evaluate_cone(
-      traces_of(piece, surface,
-                first_order_deviation_mm(piece, surface, path, actual_tools(path, *chain, model, Length()))),
-      piece.cone.half_angle);
+  return traces_of(piece, surface,
+                   first_order_deviation_mm(piece, surface, path, actual_tools(path, *chain, model, Length())));
+}
+
+/// What a machine with the given rotary errors shows of the usual piece.
+ConeEvaluation shown(const std::function<RotaryErrors(IndexedPosition)>& errors, bool from_reference = true) {
+  const TestPiece piece = usual_piece(15, 10);
+  return evaluate_cone(shown_traces(piece, errors, from_reference), piece.cone.half_angle);
 }
 
 RotaryErrors of_c(double ex_um, double ey_um, double eb_urad = 0) {
   return {.turn = {.translation_mm = {ex_um * 1e-3, ey_um * 1e-3, 0}, .rotation_rad = {0, eb_urad * 1e-6, 0}}};
+}
+
+TEST(Sensitivities, OfAOffsetShowsItsUndulationsAsPublished) {
+  const TestPiece piece = usual_piece(15, 10);
+  const std::vector<Undulation> waves = undulations(
+      radial_trace(shown_traces(piece, [](IndexedPosition) { return of_c(10, 0); })[0], piece.cone.half_angle), 4);
+  EXPECT_NEAR(waves[2].amplitude_mm * 1e3, 2.0, kTwoDigits);
+  EXPECT_NEAR(waves[3].amplitude_mm * 1e3, .97, 0.0055);
+  EXPECT_NEAR(waves[4].amplitude_mm * 1e3, .53, 0.0055);
+}
+
+/// A tilt of A that grows by 20 urad in 30 deg, and EYA ~ sin A, which only lifts the table.
+TEST(Sensitivities, OfTiltingAxisMotionsAreThePublishedOnes) {
+  const auto eaa = [](IndexedPosition at) {
+    return RotaryErrors{.tilt = {.rotation_rad = {20e-6 * at.a.in_degrees() / 30, 0, 0}}};
+  };
+  EXPECT_NEAR(shown(eaa).heights[1].lsc_mm * 1e3, .08, 0.0055);
+  const auto eya = [](IndexedPosition at) {
+    return RotaryErrors{.tilt = {.translation_mm = {0, 5e-3 * std::sin(at.a.in_radians()), 0}}};
+  };
+  EXPECT_LT(shown(eya).heights[1].lsc_mm, 1e-5);
 }
 
 TEST(Sensitivities, CounterRotatingShowsAndCoRotatingOnlyDisplaces) {
@@ -151,7 +200,8 @@ TEST(Sensitivities, CentresAndTiltsArePublishedForErrorsNotCountedFromTheReferen
 TEST(Sensitivities, ABetterPieceShowsMoreOfTheLeastVisibleError) {
   TestPiece piece = usual_piece(15, 10);
   piece.points = 72;
-  const BetterPiece better = better_piece(piece, effect_context(trunnion_machine()), Angle::degrees(90));
+  const BetterPiece better =
+      better_piece(piece, effect_context(trunnion_machine()), [](std::span<const ToolPosition>) { return true; });
   EXPECT_THAT(better.never, ElementsAre("EZ0A", "EC0A"));
   EXPECT_NEAR(better.least_seen_here_mm * 1e3, .88, 0.01);
   EXPECT_GT(better.least_seen_mm, 2 * better.least_seen_here_mm);
