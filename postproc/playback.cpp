@@ -88,6 +88,7 @@ struct Move {
   bool arc = false;
   std::size_t first = 0, second = 1;
   double centre_first = 0, centre_second = 0, sweep_rad = 0;
+  int tilt_sense = 1, turn_sense = 1;
 
   AxisValues at(double s) const {
     if (s >= 1) return to;
@@ -181,6 +182,11 @@ class PlainPlayer {
     move.to = at_;
     move.feed = motion_ != 0;
     if (motion_ >= 2) make_arc(move, w);
+    for (const auto& [axis, sense] : {std::pair(kTilt, &tilt_sense_), std::pair(kTurn, &turn_sense_)})
+      if (!std::isnan(move.from[axis]) && move.to[axis] != move.from[axis])
+        *sense = move.to[axis] > move.from[axis] ? 1 : -1;
+    move.tilt_sense = tilt_sense_;
+    move.turn_sense = turn_sense_;
     if (!known(move.to)) return std::nullopt;
     return move;
   }
@@ -234,10 +240,15 @@ class PlainPlayer {
   double unit_ = 1;
   bool incremental_ = false, absolute_centre_ = false, ended_ = false;
   std::size_t first_ = 0, second_ = 1;
+  int tilt_sense_ = 1, turn_sense_ = 1;
 };
 
-Commanded commanded(const AxisValues& at) {
-  return {Eigen::Vector3d(at[0], at[1], at[2]), {Angle::degrees(at[kTilt]), Angle::degrees(at[kTurn])}};
+/// The senses are those that the program means: a correction's own steps are smaller than any backlash.
+Commanded commanded(const AxisValues& at, const Move& meant) {
+  return {Eigen::Vector3d(at[0], at[1], at[2]),
+          {Angle::degrees(at[kTilt]), Angle::degrees(at[kTurn])},
+          meant.tilt_sense,
+          meant.turn_sense};
 }
 
 /// Largest and root mean square of errors as they come.
@@ -328,8 +339,8 @@ PlaybackResult play_back(const OpenProgram& original, const OpenProgram& correct
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       for (const double s : {0.5, 1.0}) {
         if (s < 1 && (!meant->feed || !known(meant->from))) continue;
-        const Commanded wanted = commanded(meant->at((static_cast<double>(k) + s) / n));
-        const Commanded sent = commanded(pieces[k].at(s));
+        const Commanded wanted = commanded(meant->at((static_cast<double>(k) + s) / n), *meant);
+        const Commanded sent = commanded(pieces[k].at(s), *meant);
         const PathStretch there{.line = number,
                                 .tip_before_mm = judge.tip_error_mm(wanted, wanted),
                                 .tip_after_mm = judge.tip_error_mm(wanted, sent),

@@ -51,9 +51,12 @@ class TrueField : public ErrorField {
   explicit TrueField(const Judged& judged, double scale = 1)
       : machine_(judged.machine), chain_(judged.machine), scale_(scale) {}
   PoseError at(const Situation& situation) const override {
-    return relative_pose_error(chain_, situation.at, errors(situation.at), errors({}),
-                               {situation.point_r_mm, situation.tool_length_mm});
+    PoseError error = relative_pose_error(chain_, situation.at, errors(situation.at), errors({}),
+                                          {situation.point_r_mm, situation.tool_length_mm});
+    if (situation.turn_sense < 0) error.rotation_rad.z() += turn_reversal_rad;
+    return error;
   }
+  double turn_reversal_rad = 0;  ///< what C is behind by after a motion in the negative sense
   Range<Angle> tilt_range() const override { return {Angle::degrees(-120), Angle::degrees(120)}; }
 
  private:

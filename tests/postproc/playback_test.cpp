@@ -53,6 +53,17 @@ TEST(Playback, ShowsTheErrorBeforeAndWhatIsLeft) {
   }
 }
 
+TEST(Playback, KnowsTheSenseInWhichARotaryAxisCame) {
+  Shop shop;
+  shop.field.turn_reversal_rad = 60e-6;
+  shop.how.keep_insertions = true;
+  // It turns about at rapid: within a cutting move no words could follow the step.
+  const std::string program = "G21 G0 X100 Y20 Z30 A-40 C50\nC20\nG1 A-50 F500\nC10\nG0 C40\nG1 X90 F300\nC45 A-30\n";
+  const PlaybackResult result = played(shop, program, shop.correct(program));
+  EXPECT_LT(result.after.largest_tip_mm, 3e-4);
+  EXPECT_LT(result.after.largest_tilt_rad, 8e-6);
+}
+
 TEST(Playback, SeesAWordThatIsWrong) {
   Shop shop;
   shop.how.keep_insertions = true;
