@@ -1,7 +1,6 @@
 #include "identification/identify.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +9,7 @@
 #include "geometric_errors/symbol.h"
 #include "identification/distributions.h"
 #include "identification/map_grid.h"
+#include "identification/whitening.h"
 #include "model/effects/location_errors.h"
 
 namespace trunnion {
@@ -21,25 +21,6 @@ Situation at_position(IndexedPosition at) {
   Situation s;
   s.at = at;
   return s;
-}
-
-/// Chi-square of `values` against zero on what their covariance spans.
-struct Quadratic {
-  double value = 0, freedom = 0;
-};
-Quadratic mahalanobis(const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  Quadratic result;
-  if (scale.size() == 0 || scale.maxCoeff() <= 0) return result;
-  const Eigen::VectorXd unit = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
-  const double largest = eigen.eigenvalues().maxCoeff();
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    if (eigen.eigenvalues()[k] < 1e-8 * largest) continue;
-    result.value += std::pow(eigen.eigenvectors().col(k).dot(unit.cwiseProduct(values)), 2) / eigen.eigenvalues()[k];
-    ++result.freedom;
-  }
-  return result;
 }
 
 /// The eight location errors by generalised least squares on the free pose errors.
@@ -54,21 +35,9 @@ LocationFinding find_locations(const LinearProblem& problem, const FreePoseFit& 
     design.middleRows<6>(fit.column[p]) = effect->basis(at_position(problem.poses[p].at));
     delta.segment<6>(fit.column[p]) = fit.delta[p].vector();
   }
-  // Whiten on what was seen: C = V L V^T.
-  Eigen::VectorXd scale = fit.covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  scale = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * fit.covariance * scale.asDiagonal());
-  const double largest = eigen.eigenvalues().maxCoeff();
-  Eigen::MatrixXd x = eigen.eigenvectors().transpose() * (scale.asDiagonal() * design);
-  Eigen::VectorXd y = eigen.eigenvectors().transpose() * scale.cwiseProduct(delta);
-  double rows = 0;
-  for (Eigen::Index k = 0; k < y.size(); ++k) {
-    const double value = eigen.eigenvalues()[k];
-    const double w = value > 1e-9 * largest ? 1 / std::sqrt(value) : 0;
-    rows += w > 0 ? 1 : 0;
-    x.row(k) *= w;
-    y[k] *= w;
-  }
+  const Eigen::MatrixXd white = whitening(fit.covariance);
+  const Eigen::MatrixXd x = white * design;
+  const Eigen::VectorXd y = white * delta;
   Eigen::VectorXd unit(8);
   for (Eigen::Index k = 0; k < 8; ++k) unit[k] = finding.units[static_cast<std::size_t>(k)] == Unit::um ? 1e-3 : 1e-6;
   const Eigen::MatrixXd scaled = x * unit.asDiagonal();
@@ -76,7 +45,7 @@ LocationFinding find_locations(const LinearProblem& problem, const FreePoseFit& 
   finding.values = unit.cwiseProduct(normal.solve(scaled.transpose() * y));
   finding.covariance = unit.asDiagonal() * normal.solve(Eigen::MatrixXd::Identity(8, 8)) * unit.asDiagonal();
   finding.chi_square = (y - x * finding.values).squaredNorm();
-  finding.freedom = rows - 8;
+  finding.freedom = static_cast<double>(y.size() - 8);
   finding.p_value = chi_square_tail(finding.chi_square, finding.freedom);
   return finding;
 }
@@ -112,8 +81,8 @@ std::vector<ErrorFinding> summarise(const RotaryMapContent& content, char tilt_l
         f.largest_std = std::sqrt(std::max(0.0, covariance(largest, largest)));
         f.largest_at = places[static_cast<std::size_t>(largest)];
         f.rms_std = std::sqrt(std::max(0.0, covariance.diagonal().mean()));
-        const Quadratic q = mahalanobis(v, covariance);
-        f.p_value = chi_square_tail(q.value, q.freedom);
+        const Eigen::VectorXd white = whitening(covariance) * v;
+        f.p_value = chi_square_tail(white.squaredNorm(), static_cast<double>(white.size()));
         f.told_from_zero = f.p_value < 0.01;
       }
       findings.push_back(std::move(f));

@@ -1,10 +1,9 @@
 #include "identification/map_grid.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "geometric_errors/rotary_errors.h"
+#include "errormap/pose_split.h"
 
 namespace trunnion {
 namespace {
@@ -38,15 +37,14 @@ Angle station(double degrees) {
   return Angle::degrees(std::abs(degrees - whole) < 1e-4 ? whole : degrees);
 }
 
-using Matrix612 = Eigen::Matrix<double, 6, 12>;
-
-/// Derivatives of the pose error by the tilting axis' and by C's six errors at a node.
-struct NodeJacobian {
-  Matrix6d tilt, turn_inverse;
-};
-NodeJacobian node_jacobian(const KinematicChain& chain, IndexedPosition at) {
-  const RelativeErrorJacobian j = relative_error_jacobian(chain, at, {});
-  return {j.here.leftCols<6>(), Matrix6d(j.here.rightCols<6>()).inverse()};
+/// The nodes of a grid by tilt, those marked in `incomplete` left out of the mean.
+std::vector<std::vector<SplitNode>> split_rows(const PoseGrid& grid, const std::vector<bool>& incomplete) {
+  std::vector<std::vector<SplitNode>> rows(grid.a_stations.size());
+  for (std::size_t k = 0; k < grid.pose_at.size(); ++k) {
+    const std::size_t i = k / grid.c_stations.size(), j = k % grid.c_stations.size();
+    rows[i].push_back({{grid.a_stations[i], grid.c_stations[j]}, incomplete.empty() || !incomplete[k]});
+  }
+  return rows;
 }
 
 }  // namespace
@@ -110,37 +108,21 @@ RotaryMapContent map_from_surface(const LinearProblem& problem, const PoseGrid& 
   const Eigen::Index m = smooth.coefficients.size();
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(content.grid.coefficient_count()), m);
   const std::size_t columns = grid.c_stations.size();
-  const RelativeErrorJacobian at_zero = relative_error_jacobian(*problem.chain, {}, {});
-  // The errors at the reference pose are taken off, so that the maps vanish there as Eq. (6) has it.
-  const Eigen::MatrixXd reference = at_zero.here.leftCols<6>() * surface.jacobian({}).topRows(6) +
-                                    at_zero.here.rightCols<6>() * surface.jacobian({}).bottomRows(6);
-  const bool gauged = problem.chain->has_rotary(Side::workpiece) && !problem.chain->has_rotary(Side::tool);
-  for (std::size_t i = 0; i < grid.a_stations.size(); ++i) {
-    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(6, m);
-    Matrix6d carried = Matrix6d::Zero();
-    std::vector<Eigen::MatrixXd> delta(columns);
-    for (std::size_t j = 0; j < columns; ++j) {
-      const IndexedPosition at{grid.a_stations[i], grid.c_stations[j]};
-      const Eigen::Matrix<double, 12, Eigen::Dynamic> b = surface.jacobian(at);
-      if (!gauged) {
-        map.middleRows<6>(static_cast<Eigen::Index>(content.grid.turn_offset(i, j))) = b.bottomRows(6);
-        map.middleRows<6>(static_cast<Eigen::Index>(content.grid.tilt_offset(i))) = b.topRows(6);
-        continue;
-      }
+  if (problem.chain->has_rotary(Side::workpiece) && !problem.chain->has_rotary(Side::tool)) {
+    Eigen::MatrixXd delta(6 * static_cast<Eigen::Index>(grid.pose_at.size()), m);
+    for (std::size_t k = 0; k < grid.pose_at.size(); ++k) {
       Situation s;
-      s.at = at;
-      delta[j] = gauged_basis(*problem.chain, smooth.basis, s);
-      const NodeJacobian node = node_jacobian(*problem.chain, at);
-      mean += node.turn_inverse * delta[j];
-      carried += node.turn_inverse * node.tilt;
+      s.at = {grid.a_stations[k / columns], grid.c_stations[k % columns]};
+      delta.middleRows<6>(6 * static_cast<Eigen::Index>(k)) = gauged_basis(*problem.chain, smooth.basis, s);
     }
-    if (!gauged) continue;
-    const Eigen::MatrixXd tilt = carried.inverse() * mean;
-    map.middleRows<6>(static_cast<Eigen::Index>(content.grid.tilt_offset(i))) = tilt;
-    for (std::size_t j = 0; j < columns; ++j) {
-      const NodeJacobian node = node_jacobian(*problem.chain, {grid.a_stations[i], grid.c_stations[j]});
-      map.middleRows<6>(static_cast<Eigen::Index>(content.grid.turn_offset(i, j))) =
-          node.turn_inverse * (delta[j] - node.tilt * tilt);
+    const PoseSplit split = split_pose_errors(*problem.chain, split_rows(grid, {}));
+    map << split.tilt * delta, split.turn * delta;
+  } else {
+    for (std::size_t k = 0; k < grid.pose_at.size(); ++k) {
+      const std::size_t i = k / columns, j = k % columns;
+      const auto b = surface.jacobian({grid.a_stations[i], grid.c_stations[j]});
+      map.middleRows<6>(static_cast<Eigen::Index>(content.grid.turn_offset(i, j))) = b.bottomRows(6);
+      map.middleRows<6>(static_cast<Eigen::Index>(content.grid.tilt_offset(i))) = b.topRows(6);
     }
   }
   content.grid = with_coefficients(content.grid, map * smooth.coefficients);
@@ -194,39 +176,23 @@ RotaryMapContent map_from_poses(const LinearProblem& problem, const PoseGrid& gr
         // As C's errors see it: the direction in C's frame.
         Vector6d direction = freedom.direction;
         direction.tail<3>() /= 100;
-        const Vector6d in_turn = node_jacobian(*problem.chain, s.at).turn_inverse * direction;
+        const Vector6d in_turn = turn_from_pose(*problem.chain, s.at) * direction;
         for (Eigen::Index c = 0; c < 6; ++c)
           if (std::abs(in_turn[c]) * (c < 3 ? 1 : 100) > 1e-3) reached[k][static_cast<std::size_t>(c)] = true;
       }
   }
+  const PoseSplit split = split_pose_errors(*problem.chain, split_rows(grid, incomplete));
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(n, stacked);
+  for (std::size_t k = 0; k < column_of.size(); ++k)
+    if (column_of[k] >= 0)
+      map.middleCols<6>(column_of[k]) << split.tilt.middleCols<6>(6 * static_cast<Eigen::Index>(k)),
+          split.turn.middleCols<6>(6 * static_cast<Eigen::Index>(k));
   content.unseen.assign(static_cast<std::size_t>(n), false);
-  for (std::size_t i = 0; i < grid.a_stations.size(); ++i) {
-    Matrix6d carried = Matrix6d::Zero();
-    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(6, stacked);
-    std::size_t complete = 0;
-    for (std::size_t j = 0; j < columns; ++j) {
-      const std::size_t k = i * columns + j;
-      if (incomplete[k]) continue;
-      const NodeJacobian node = node_jacobian(*problem.chain, {grid.a_stations[i], grid.c_stations[j]});
-      carried += node.turn_inverse * node.tilt;
-      if (column_of[k] >= 0) mean.middleCols<6>(column_of[k]) += node.turn_inverse;
-      ++complete;
-    }
-    const auto tilt_row = static_cast<Eigen::Index>(content.grid.tilt_offset(i));
-    if (complete == 0) {
-      for (std::size_t c = 0; c < 6; ++c) content.unseen[content.grid.tilt_offset(i) + c] = true;
-    } else {
-      map.middleRows<6>(tilt_row) = carried.inverse() * mean;
-    }
-    for (std::size_t j = 0; j < columns; ++j) {
-      const std::size_t k = i * columns + j;
-      const NodeJacobian node = node_jacobian(*problem.chain, {grid.a_stations[i], grid.c_stations[j]});
-      const auto row = static_cast<Eigen::Index>(content.grid.turn_offset(i, j));
-      map.middleRows<6>(row) = -node.turn_inverse * node.tilt * map.middleRows<6>(tilt_row);
-      if (column_of[k] >= 0) map.block<6, 6>(row, column_of[k]) += node.turn_inverse;
-      for (std::size_t c = 0; c < 6; ++c)
-        if (reached[k][c] || complete == 0) content.unseen[content.grid.turn_offset(i, j) + c] = true;
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    const std::size_t i = k / columns, j = k % columns;
+    for (std::size_t c = 0; c < 6; ++c) {
+      if (!split.told[i]) content.unseen[content.grid.tilt_offset(i) + c] = true;
+      if (!split.told[i] || reached[k][c]) content.unseen[content.grid.turn_offset(i, j) + c] = true;
     }
   }
   if (std::ranges::none_of(content.unseen, [](bool b) { return b; })) content.unseen.clear();

@@ -1,0 +1,21 @@
+#include "identification/whitening.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace trunnion {
+
+Eigen::MatrixXd whitening(const Eigen::MatrixXd& covariance) {
+  constexpr double kSpanned = 1e-9;
+  const Eigen::Index n = covariance.rows();
+  const Eigen::VectorXd unit =
+      covariance.diagonal().unaryExpr([](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0.0; });
+  if (n == 0 || unit.maxCoeff() <= 0) return Eigen::MatrixXd::Zero(0, n);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
+  Eigen::Index first = 0;  // eigenvalues ascend
+  while (eigen.eigenvalues()[first] <= kSpanned * eigen.eigenvalues()[n - 1]) ++first;
+  return eigen.eigenvalues().tail(n - first).cwiseSqrt().cwiseInverse().asDiagonal() *
+         eigen.eigenvectors().rightCols(n - first).transpose() * unit.asDiagonal();
+}
+
+}  // namespace trunnion
