@@ -17,7 +17,7 @@ foreach(part IN LISTS parts)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trunnion COMPONENT development
     FILES_MATCHING PATTERN "*.h")
 endforeach()
-install(FILES ${PROJECT_SOURCE_DIR}/src/error.h
+install(FILES ${PROJECT_SOURCE_DIR}/src/error.h ${PROJECT_SOURCE_DIR}/src/loaded_module.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trunnion COMPONENT development)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Trunnion)

@@ -35,8 +35,9 @@ void refuse_another_machine(Database& database, const MachineIdentity& machine) 
       throw RefusalError(database.name() + ": serial number \"" + machine.serial + "\" is known here as \"" + *row[0] +
                          "\", the model is of \"" + machine.name + "\"");
     if (*row[1] != machine.structure)
-      throw RefusalError(database.name() + ": serial number \"" + machine.serial + "\" is known here with structure \"" +
-                         *row[1] + "\", the model's is \"" + machine.structure + "\"");
+      throw RefusalError(database.name() + ": serial number \"" + machine.serial +
+                         "\" is known here with structure \"" + *row[1] + "\", the model's is \"" + machine.structure +
+                         "\"");
   }
 }
 
@@ -89,8 +90,9 @@ Calibration CalibrationStore::get(std::int64_t id) const {
       database_->run(std::string("SELECT ") + kHead + ", machine_file, model FROM trunnion_calibration WHERE id = $1",
                      {std::to_string(id)});
   if (rows.empty())
-    throw InputError(database_->name(), "holds no calibration " + std::to_string(id) + "; trunnion history list shows "
-                                                                                       "what it holds");
+    throw InputError(database_->name(), "holds no calibration " + std::to_string(id) +
+                                            "; trunnion history list shows "
+                                            "what it holds");
   Calibration calibration = head_of(rows[0]);
   calibration.machine_file = *rows[0][8];
   calibration.model = *rows[0][9];

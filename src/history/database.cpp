@@ -32,8 +32,8 @@ std::unique_ptr<Database> open_postgres(const std::string& uri) {
   const std::string module = module_path("trunnion_postgres", TRUNNION_LIBDIR);
   if (module.empty())
     throw InputError("postgresql://", "this program was built without PostgreSQL (libpq); name a file as the store");
-  const auto open = reinterpret_cast<TrunnionPostgresOpen*>(
-      module_function(module, kTrunnionPostgresOpen, "the PostgreSQL module"));
+  const auto open =
+      reinterpret_cast<TrunnionPostgresOpen*>(module_function(module, kTrunnionPostgresOpen, "the PostgreSQL module"));
   return std::unique_ptr<Database>(open(uri.c_str()));
 }
 

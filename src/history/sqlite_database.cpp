@@ -12,7 +12,7 @@
 namespace trunnion {
 namespace {
 
-constexpr std::chrono::seconds kPatience{60};     // for the other processes' transactions, of milliseconds each
+constexpr std::chrono::seconds kPatience{60};  // for the other processes' transactions, of milliseconds each
 constexpr std::chrono::milliseconds kPause{5};
 
 struct CloseDatabase {

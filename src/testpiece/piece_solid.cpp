@@ -1,10 +1,7 @@
 #include "testpiece/piece_solid.h"
 
-#include <dlfcn.h>
-
-#include <filesystem>
-
 #include "error.h"
+#include "loaded_module.h"
 #include "testpiece/brep/brep.h"
 
 namespace trunnion {
@@ -13,13 +10,9 @@ namespace {
 constexpr double kBlockHeight_mm = 20;
 constexpr double kBlockSide = 0.65;  ///< of the base's diameter: the corners lie within the base's circle
 
-/// Stays loaded: OpenCASCADE does not take kindly to being unloaded.
+/// The module stays loaded: OpenCASCADE does not take kindly to being unloaded.
 void* function(const std::string& module, const char* name) {
-  void* library = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) throw ModelError("the solid modeller cannot be loaded: " + std::string(dlerror()));
-  void* found = dlsym(library, name);
-  if (found == nullptr) throw ModelError(module + ": no " + name + " in it; another version's module");
-  return found;
+  return module_function(module, name, "the solid modeller");
 }
 
 TrunnionBrepFrustum frustum_of(const TestPiece& piece) {
@@ -72,15 +65,7 @@ Rulings solid_rulings(const TestPiece& piece, const std::string& module) {
   };
 }
 
-std::string brep_module() {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& candidate :
-       {here / "trunnion_brep.so", here / ".." / TRUNNION_LIBDIR / "trunnion" / "trunnion_brep.so"})
-    if (fs::is_regular_file(candidate, ignored)) return candidate.lexically_normal().string();
-  return "";
-}
+std::string brep_module() { return module_path("trunnion_brep", TRUNNION_LIBDIR); }
 
 MeasuredSolid measured_solid(const std::string& step, const std::string& module) {
   const auto measure = reinterpret_cast<TrunnionBrepMeasure>(function(module, kTrunnionBrepMeasure));

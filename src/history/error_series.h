@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+
+namespace trunnion {
+
+/// A calibration's model and when it was taken.
+struct DatedModel {
+  double years = 0;  ///< on any clock common to all
+  Model model;
+};
+
+/// The same values of one error in one calibration after another.
+struct ErrorSeries {
+  struct Point {
+    std::size_t calibration = 0;  ///< index into the models
+    Eigen::VectorXd values;       ///< inside units
+    Eigen::MatrixXd covariance;
+  };
+  std::string name;                     ///< EX0C, EXA, "linear_scale:X scale"
+  Unit unit = Unit::um;                 ///< in files
+  std::vector<IndexedPosition> places;  ///< of the values; empty for a single number that holds everywhere
+  std::vector<Point> points;            ///< in the order of the models
+};
+
+/// What can be followed over the calibrations of one machine.
+struct SeriesSet {
+  std::vector<ErrorSeries> locations;   ///< the eight location errors
+  std::vector<ErrorSeries> functions;   ///< EXA … ECC at common positions, location errors included
+  std::vector<ErrorSeries> remainders;  ///< the same without what the location errors explain
+  std::vector<ErrorSeries> parameters;  ///< of the machine's other effects, where two or more calibrations have them
+  std::vector<std::size_t> left_out;    ///< models without a map or without its standard uncertainties
+};
+
+/// Takes models of `machine` apart into comparable series.
+///
+/// Compared are the table's pose errors Delta (relative to A = C = 0) at positions that all maps cover: stations of the
+/// last one, at most 7 tilts by 12 turns of them, evenly thinned. A map that was determined at those positions gives
+/// what was found there, unsmoothed; another gives its surface. The location errors lambda are estimated from all of
+/// Delta by the same generalised least squares in every calibration (weights of the mean covariance), so that a shape
+/// which location errors do not explain cannot look like a change of them:
+///   lambda = G Delta,  remainder = (I - X G) Delta,   G = (X^T V^+ X)^-1 X^T V^+.
+/// Functions are told apart by Eq. (1) over the common positions; on a machine where that is not possible (a rotary
+/// axis in the head) they are the components Dx … Dc of Delta at R's origin.
+SeriesSet error_series(std::span<const DatedModel> models, const Machine& machine);
+
+}  // namespace trunnion
