@@ -6,6 +6,7 @@
 # Without a group: what building and testing need. Further groups:
 #   linuxcnc   the LinuxCNC interpreter, simulator and headers, against which programs and tables are tested
 #   browser    headless Chromium, for the tests of the report
+#   postgres   PostgreSQL's client and server: the history of a plant, and its test
 #   package    what cpack needs for the Debian package
 #   readers    FreeCAD, in which the STEP of a predicted piece is opened
 #   develop    clang, its tools and sanitizer run-times, valgrind: presets tidy and fuzz
@@ -16,15 +17,16 @@ packages_of() {
     build)
       echo g++ cmake ninja-build ccache mold python3 \
         libeigen3-dev libcgal-dev libboost-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
-        libocct-data-exchange-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+        libocct-data-exchange-dev libsqlite3-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
       ;;
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     browser) echo chromium nodejs npm ;;
+    postgres) echo libpq-dev postgresql ;;
     package) echo dpkg-dev file ;;
     readers) echo freecad-python3 freecad-common ;;
     develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind ;;
     *)
-      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, package, readers, develop" >&2
+      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, postgres, package, readers, develop" >&2
       return 2
       ;;
   esac

@@ -21,8 +21,10 @@ CONFINED = [
     (re.compile(r"\w+\.hxx"), {"testpiece"}),
     (re.compile(r"CLI/"), {"app"}),
     (re.compile(r"toml\+\+/"), {"io"}),
+    (re.compile(r"sqlite3\.h|libpq-fe\.h"), {"history"}),
     (re.compile(r"regex$"), set()),
 ]
+BELONGS_TO_ALL = {"error.h", "loaded_module.h"}
 # Headers that only sources of their own part include: the strict TOML reader of machine, job and piece files.
 FOR_SOURCES_ONLY = {"src/io/toml_reader.h"}
 # Outside headers too heavy for a header of ours.
@@ -58,7 +60,7 @@ def sources(root):
                 continue
             inside = path.relative_to(root / folder).parts
             if part is None and len(inside) == 1:
-                continue  # src/error.h, which belongs to all
+                continue  # what belongs to all
             yield part or inside[0], path
 
 
@@ -82,7 +84,7 @@ def include_findings(root, linked):
                     break
             if path.suffix == ".h" and HEAVY.match(name) and str(place) not in FOR_SOURCES_ONLY:
                 yield f"{where}: too heavy for a header, it belongs into a source behind it"
-            if not quoted or name == "error.h":
+            if not quoted or name in BELONGS_TO_ALL:
                 continue
             target = name.split("/")[0]
             if "/" not in name or target not in parts:

@@ -38,5 +38,6 @@ Command tables_command(CLI::App& program, const Talk& talk);
 Command predict_command(CLI::App& program, const Talk& talk);
 Command correct_command(CLI::App& program, const Talk& talk);
 Command close_command(CLI::App& program, const Talk& talk);
+Command history_command(CLI::App& program, const Talk& talk);
 
 }  // namespace trunnion

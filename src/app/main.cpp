@@ -70,6 +70,7 @@ int run(int argc, char** argv) {
            correct_command,
            close_command,
            tables_command,
+           history_command,
        })
     commands.push_back(add(program, talk));
   for (const Command& command : commands) {

@@ -25,8 +25,6 @@ class Database {
   /// Begins a transaction that no other writer takes part in, after waiting for theirs to end.
   virtual void begin_alone() = 0;
   virtual bool has_table(const std::string& name) = 0;
-  /// Whether tables stand in it that are not Trunnion's, in a place that ought to be Trunnion's alone.
-  virtual bool is_foreign() = 0;
   /// As messages call it; without a password.
   virtual const std::string& name() const = 0;
 };
@@ -51,8 +49,8 @@ enum class OpenFor { reading, adding };
 /// which is made where it is missing and `purpose` is adding. Throws InputError for one that cannot be opened.
 std::unique_ptr<Database> open_database(const std::string& store, OpenFor purpose);
 
-/// The SQLite file at `path`: write-ahead log, every commit on the disk before it returns; waits up to a minute for
-/// other processes.
+/// The SQLite file at `path`, which must be Trunnion's or empty: write-ahead log, every commit on the disk before it
+/// returns; waits up to a minute for other processes.
 std::unique_ptr<Database> open_sqlite(const std::string& path, OpenFor purpose);
 
 /// The PostgreSQL database of a connection URI, by libpq in the module trunnion_postgres, which is loaded for it.

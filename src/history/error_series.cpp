@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "error.h"
 #include "errormap/pose_split.h"
@@ -15,7 +16,7 @@
 namespace trunnion {
 namespace {
 
-constexpr std::size_t kMostTilts = 7, kMostTurns = 12;
+constexpr std::size_t kMostTilts = 5, kMostTurns = 8;
 constexpr Angle kSameStation = Angle::degrees(0.1);
 
 /// At most `most` of the stations, the first and the last among them.
@@ -26,11 +27,12 @@ std::vector<Angle> thinned(const std::vector<Angle>& stations, std::size_t most)
   return kept;
 }
 
+bool same_station(Angle a, Angle b) {
+  return std::abs(std::remainder((a - b).in_radians(), kFullTurn.in_radians())) <= kSameStation.in_radians();
+}
+
 bool stands_in(const std::vector<Angle>& stations, Angle angle) {
-  return std::ranges::any_of(stations, [&](Angle station) {
-    const double gap = (angle - station).in_radians();
-    return std::abs(std::remainder(gap, kFullTurn.in_radians())) <= kSameStation.in_radians();
-  });
+  return std::ranges::any_of(stations, [&](Angle station) { return same_station(station, angle); });
 }
 
 Situation at_position(IndexedPosition at) {
@@ -131,16 +133,9 @@ Eigen::MatrixXd estimator(const Eigen::MatrixXd& design, const Eigen::MatrixXd& 
   return unit.asDiagonal() * normal.solve(Eigen::MatrixXd(x.transpose() * white));
 }
 
-/// Rows of a linear map from stacked pose errors that make up one function.
-struct FunctionRows {
-  std::string name;
-  Unit unit;
-  std::vector<IndexedPosition> places;
-  Eigen::MatrixXd map;
-};
-
-std::vector<FunctionRows> functions_of(const KinematicChain& chain, char tilt_letter,
-                                       const std::vector<std::vector<SplitNode>>& rows) {
+/// The functions as linear maps from stacked pose errors, and back: what a free change of one does to them.
+std::vector<ChangeMode> functions_of(const KinematicChain& chain, char tilt_letter,
+                                     const std::vector<std::vector<SplitNode>>& rows) {
   const std::vector<IndexedPosition> at = positions(rows);
   const auto n = static_cast<Eigen::Index>(at.size());
   const auto every_sixth = [](const Eigen::MatrixXd& all, Eigen::Index first) {
@@ -148,21 +143,41 @@ std::vector<FunctionRows> functions_of(const KinematicChain& chain, char tilt_le
     for (Eigen::Index k = 0; k < some.rows(); ++k) some.row(k) = all.row(6 * k + first);
     return some;
   };
-  std::vector<FunctionRows> functions;
+  std::vector<ChangeMode> functions;
   if (chain.has_rotary(Side::tool)) {
     const Eigen::MatrixXd same = Eigen::MatrixXd::Identity(6 * n, 6 * n);
     const std::vector<std::string> names = {"Dx", "Dy", "Dz", "Da", "Db", "Dc"};
-    for (std::size_t c = 0; c < 6; ++c)
-      functions.push_back({names[c], component_unit(c), at, every_sixth(same, static_cast<Eigen::Index>(c))});
+    for (std::size_t c = 0; c < 6; ++c) {
+      const Eigen::MatrixXd rows_of_c = every_sixth(same, static_cast<Eigen::Index>(c));
+      functions.push_back({names[c], component_unit(c), at, rows_of_c.transpose(), rows_of_c});
+    }
     return functions;
   }
   const PoseSplit split = split_pose_errors(chain, rows);
   std::vector<IndexedPosition> tilts;
   for (const std::vector<SplitNode>& row : rows) tilts.push_back({row.front().at.a, Angle()});
   for (const bool turn : {false, true})
-    for (std::size_t c = 0; c < 6; ++c)
-      functions.push_back({error_symbol(c, turn ? 'C' : tilt_letter), component_unit(c), turn ? at : tilts,
-                           every_sixth(turn ? split.turn : split.tilt, static_cast<Eigen::Index>(c))});
+    for (std::size_t c = 0; c < 6; ++c) {
+      const auto component = static_cast<Eigen::Index>((turn ? 6 : 0) + c);
+      ChangeMode mode{error_symbol(c, turn ? 'C' : tilt_letter),
+                      component_unit(c),
+                      turn ? at : tilts,
+                      {},
+                      every_sixth(turn ? split.turn : split.tilt, static_cast<Eigen::Index>(c))};
+      mode.design = Eigen::MatrixXd::Zero(6 * n, static_cast<Eigen::Index>(mode.places.size()));
+      std::optional<Eigen::Index> at_reference;  // a change there is seen, with the other sign, everywhere else
+      for (std::size_t k = 0, tilt = 0; k < at.size(); ++k) {
+        while (tilts[tilt].a != at[k].a) ++tilt;
+        const auto column = static_cast<Eigen::Index>(turn ? k : tilt);
+        mode.design.block<6, 1>(6 * static_cast<Eigen::Index>(k), column) =
+            relative_error_jacobian(chain, at[k], {}).here.col(component);
+        if (same_station(at[k].a, Angle()) && (!turn || same_station(at[k].c, Angle()))) at_reference = column;
+      }
+      for (std::size_t k = 0; at_reference && k < at.size(); ++k)
+        mode.design.block<6, 1>(6 * static_cast<Eigen::Index>(k), *at_reference) +=
+            relative_error_jacobian(chain, at[k], {}).reference.col(component);
+      functions.push_back(std::move(mode));
+    }
   return functions;
 }
 
@@ -226,14 +241,16 @@ SeriesSet error_series(std::span<const DatedModel> models, const Machine& machin
   };
   for (std::size_t p = 0; p < static_cast<std::size_t>(gain.rows()); ++p) {
     const Parameter& parameter = location->parameters()[p];
-    set.locations.push_back(series(parameter.name, parameter.unit, {}, gain.row(static_cast<Eigen::Index>(p))));
+    const auto k = static_cast<Eigen::Index>(p);
+    set.locations.push_back(series(parameter.name, parameter.unit, {}, gain.row(k)));
+    set.poses.modes.push_back({parameter.name, parameter.unit, {}, design.col(k), {}});
   }
-  Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(n, n);
-  if (gain.rows() > 0) rest -= design * gain;
-  for (const FunctionRows& f : functions_of(*context.chain, machine.tilt_letter(), rows)) {
-    set.functions.push_back(series(f.name, f.unit, f.places, f.map));
-    set.remainders.push_back(series(f.name, f.unit, f.places, f.map * rest));
+  for (ChangeMode& f : functions_of(*context.chain, machine.tilt_letter(), rows)) {
+    set.functions.push_back(series(f.name, f.unit, f.places, f.shown));
+    set.poses.modes.push_back(std::move(f));
   }
+  for (std::size_t k = 0; k < stacked.size(); ++k)
+    set.poses.points.push_back({indices[k], std::move(stacked[k].delta), std::move(stacked[k].covariance)});
   return set;
 }
 

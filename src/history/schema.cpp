@@ -7,13 +7,6 @@ namespace {
 
 const std::string kVersionTable = "trunnion_schema";
 
-int stored_version(Database& database) {
-  if (!database.has_table(kVersionTable)) return 0;
-  const std::vector<Row> rows = database.run("SELECT version FROM trunnion_schema");
-  if (rows.size() != 1 || !rows[0][0]) throw InputError(database.name(), "is damaged: its version cannot be read");
-  return std::stoi(*rows[0][0]);
-}
-
 void refuse_later(const Database& database, int version) {
   if (version > static_cast<int>(migrations().size()))
     throw InputError(database.name(), "is of version " + std::to_string(version) + ", this program knows " +
@@ -44,10 +37,10 @@ const std::vector<std::vector<std::string>>& migrations() {
 }
 
 int schema_version(Database& database) {
-  const int version = stored_version(database);
-  if (version == 0 && database.is_foreign())
-    throw InputError(database.name(), "is no history of trunnion: it holds other tables");
-  return version;
+  if (!database.has_table(kVersionTable)) return 0;
+  const std::vector<Row> rows = database.run("SELECT version FROM trunnion_schema");
+  if (rows.size() != 1 || !rows[0][0]) throw InputError(database.name(), "is damaged: its version cannot be read");
+  return std::stoi(*rows[0][0]);
 }
 
 void migrate(Database& database) {
@@ -56,7 +49,7 @@ void migrate(Database& database) {
   refuse_later(database, found);
   if (found == last) return;
   Transaction transaction(database);
-  const int version = stored_version(database);  // another process may have been faster
+  const int version = schema_version(database);  // another process may have been faster
   refuse_later(database, version);
   for (int k = version; k < last; ++k)
     for (const std::string& statement : migrations()[static_cast<std::size_t>(k)]) database.run(statement);

@@ -29,7 +29,7 @@ class SqliteDatabase : public Database {
     check_place(purpose);
     sqlite3* database = nullptr;
     const int flags = SQLITE_OPEN_READWRITE | (purpose == OpenFor::adding ? SQLITE_OPEN_CREATE : 0);
-    const std::string file = path.front() == ':' ? "./" + path : path;  // ":memory:" is a file here
+    const std::string file = path.front() == '/' ? path : "./" + path;  // ":memory:" and "file:" are names like others
     const int status = sqlite3_open_v2(file.c_str(), &database, flags, nullptr);
     database_.reset(database);
     if (status != SQLITE_OK) fail("cannot be opened");
@@ -37,6 +37,8 @@ class SqliteDatabase : public Database {
     sqlite3_busy_timeout(database, static_cast<int>(std::chrono::milliseconds(kPatience).count()));
     run("PRAGMA foreign_keys = ON");
     run("PRAGMA synchronous = FULL");
+    if (!has_table("trunnion_schema") && !run("SELECT 1 FROM sqlite_master LIMIT 1").empty())
+      throw InputError(path_, "is no history of trunnion: it holds other tables");
     if (purpose == OpenFor::adding) use_write_ahead_log();
   }
 
@@ -69,12 +71,6 @@ class SqliteDatabase : public Database {
 
   bool has_table(const std::string& name) override {
     return !run("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = $1", {name}).empty();
-  }
-
-  bool is_foreign() override {
-    return !run("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'trunnion\\_%' ESCAPE '\\' "
-                "AND name NOT LIKE 'sqlite\\_%' ESCAPE '\\' LIMIT 1")
-                .empty();
   }
 
   const std::string& name() const override { return path_; }

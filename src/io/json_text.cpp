@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "error.h"
 #include "io/csv.h"
 
 namespace trunnion {
@@ -63,6 +65,42 @@ std::string json_text(const json& value) {
   std::string out;
   append(out, value, 0);
   return out + "\n";
+}
+
+json parse_json(std::string_view text, const std::string& name) {
+  constexpr int kDeepest = 32;
+  std::vector<std::set<std::string>> keys;
+  const json::parser_callback_t callback = [&](int depth, json::parse_event_t event, json& parsed) {
+    if (depth > kDeepest) throw InputError(name, "nested more than " + std::to_string(kDeepest) + " deep");
+    if (event == json::parse_event_t::object_start) keys.emplace_back();
+    if (event == json::parse_event_t::object_end) keys.pop_back();
+    if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
+      throw InputError(name, "key \"" + parsed.get<std::string>() + "\" occurs twice in one object");
+    return true;
+  };
+  try {
+    return json::parse(text.begin(), text.end(), callback);
+  } catch (const json::parse_error& e) {
+    std::size_t line = 1, column = 1;
+    for (std::size_t i = 0; i + 1 < e.byte && i < text.size(); ++i) {
+      if (text[i] == '\n')
+        ++line, column = 1;
+      else
+        ++column;
+    }
+    std::string what = e.what();
+    if (const std::size_t at = what.rfind("; expected"); at != std::string::npos)
+      what = what.substr(at + 2) + " here";
+    else if (const std::size_t error = what.rfind("syntax error"); error != std::string::npos)
+      what = what.substr(error);
+    for (char& c : what)
+      if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+    throw InputError(name + ":" + std::to_string(line) + ":" + std::to_string(column) + ": not JSON: " + what);
+  } catch (const json::exception& e) {
+    std::string what = e.what();  // "[json.exception.…] number overflow parsing '1e999'"
+    if (const std::size_t bracket = what.find("] "); bracket != std::string::npos) what.erase(0, bracket + 2);
+    throw InputError(name, "not JSON: " + what);
+  }
 }
 
 }  // namespace trunnion

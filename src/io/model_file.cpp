@@ -14,43 +14,6 @@ using nlohmann::json;
 
 namespace {
 
-/// JSON with what the library lets pass refused: repeated keys, and nesting without end.
-json parse_strictly(std::string_view text, const std::string& name) {
-  constexpr int kDeepest = 32;
-  std::vector<std::set<std::string>> keys;
-  const json::parser_callback_t callback = [&](int depth, json::parse_event_t event, json& parsed) {
-    if (depth > kDeepest) throw InputError(name, "nested more than " + std::to_string(kDeepest) + " deep");
-    if (event == json::parse_event_t::object_start) keys.emplace_back();
-    if (event == json::parse_event_t::object_end) keys.pop_back();
-    if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      throw InputError(name, "key \"" + parsed.get<std::string>() + "\" occurs twice in one object");
-    return true;
-  };
-  try {
-    return json::parse(text.begin(), text.end(), callback);
-  } catch (const json::parse_error& e) {
-    std::size_t line = 1, column = 1;
-    for (std::size_t i = 0; i + 1 < e.byte && i < text.size(); ++i) {
-      if (text[i] == '\n')
-        ++line, column = 1;
-      else
-        ++column;
-    }
-    std::string what = e.what();
-    if (const std::size_t at = what.rfind("; expected"); at != std::string::npos)
-      what = what.substr(at + 2) + " here";
-    else if (const std::size_t error = what.rfind("syntax error"); error != std::string::npos)
-      what = what.substr(error);
-    for (char& c : what)
-      if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-    throw InputError(name + ":" + std::to_string(line) + ":" + std::to_string(column) + ": not JSON: " + what);
-  } catch (const json::exception& e) {
-    std::string what = e.what();  // "[json.exception.…] number overflow parsing '1e999'"
-    if (const std::size_t bracket = what.find("] "); bracket != std::string::npos) what.erase(0, bracket + 2);
-    throw InputError(name, "not JSON: " + what);
-  }
-}
-
 void check_keys(const json& object, const std::vector<std::string>& known, const std::string& where) {
   for (const auto& [key, value] : object.items()) {
     (void)value;
@@ -68,7 +31,7 @@ std::string text_of(const json& object, const char* key, const std::string& wher
 }  // namespace
 
 Model parse_model(std::string_view text, const std::string& name, const Machine& machine) {
-  const json document = parse_strictly(text, name);
+  const json document = parse_json(text, name);
   try {
     if (!document.is_object()) throw ModelError("an object is wanted");
     check_keys(document, {"format", "version", "machine", "reference_pose_deg", "effects", "fit"}, "");

@@ -67,8 +67,6 @@ class PostgresDatabase : public Database {
                 .empty();
   }
 
-  bool is_foreign() override { return false; }  // a plant's database holds other things too
-
   const std::string& name() const override { return name_; }
 
  private:

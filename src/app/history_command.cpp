@@ -1,0 +1,259 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/command.h"
+#include "app/history_text.h"
+#include "error.h"
+#include "history/date.h"
+#include "io/json_text.h"
+#include "io/limits_file.h"
+#include "io/machine_file.h"
+#include "io/model_file.h"
+#include "io/output_file.h"
+#include "io/sha256.h"
+#include "io/text_file.h"
+#include "units/nearest_name.h"
+
+namespace trunnion {
+namespace {
+
+struct Options {
+  std::string store, serial, machine, model, date, closure, note, limits, output;
+  std::vector<std::string> data;
+  std::int64_t id = 0, other = 0;
+};
+
+CalibrationStore open_store(const Options& o, OpenFor purpose) {
+  return CalibrationStore(open_database(o.store, purpose));
+}
+
+std::string wanted_date(const std::string& text) {
+  if (const auto date = normal_date(text)) return *date;
+  throw UsageError("--date: \"" + text + "\" found, 2026-03-01 or 2026-03-01T14:30:00Z (UTC) is wanted");
+}
+
+/// Throws InputError for a data file that is not the one that the model was made from.
+void check_data(const Options& o, const std::vector<std::pair<std::string, std::string>>& inputs) {
+  for (const std::string& path : o.data) {
+    const std::string digits = sha256_hex(read_text(path)), name = path.substr(path.find_last_of('/') + 1);
+    const auto recorded = std::ranges::find(inputs, name, &std::pair<std::string, std::string>::first);
+    if (recorded == inputs.end())
+      throw InputError(path, o.model + " does not say that it was made from a file of this name");
+    if (recorded->second != digits)
+      throw InputError(path, "its SHA-256 is " + digits + ", " + o.model + " was made from " + recorded->second +
+                                 ": the file was changed since");
+  }
+}
+
+std::string closure_text(const Options& o, const Machine& machine) {
+  const std::string text = read_text(o.closure);
+  const nlohmann::json closure = parse_json(text, o.closure);
+  if (!closure.is_object() || closure.value("format", nlohmann::json()) != "trunnion-closure")
+    throw InputError(o.closure, "the closure.json of trunnion close is wanted");
+  if (closure.contains("machine") && closure["machine"].value("serial", "") != machine.serial)
+    throw RefusalError(o.closure + ": the closure is of serial number " + closure["machine"]["serial"].dump() +
+                       ", the machine file says \"" + machine.serial + "\"");
+  return text;
+}
+
+int add(const Options& o, const Talk& talk) {
+  Calibration c{.taken = wanted_date(o.date), .note = o.note};
+  c.machine_file = read_text(o.machine);
+  const Machine machine = parse_machine(c.machine_file, o.machine);
+  c.model = read_text(o.model);
+  const Model model = parse_model(c.model, o.model, machine);
+  c.machine = model.machine;
+  c.model_sha256 = sha256_hex(c.model);
+  if (model.fit && model.fit->is_object() && model.fit->contains("inputs_sha256") &&
+      (*model.fit)["inputs_sha256"].is_object())
+    for (const auto& [name, digits] : (*model.fit)["inputs_sha256"].items())
+      if (digits.is_string()) c.inputs.emplace_back(name, digits.get<std::string>());
+  check_data(o, c.inputs);
+  if (!o.closure.empty()) c.closure = closure_text(o, machine);
+  const CalibrationStore::Added added = open_store(o, OpenFor::adding).add(c);
+  c.id = added.id;
+  if (talk.json) {
+    nlohmann::json j = calibration_json(c);
+    j["stood_already"] = added.stood_already;
+    std::fputs(json_text(j).c_str(), stdout);
+  }
+  talk.show("calibration " + std::to_string(added.id) + ": serial " + c.machine.serial + ", " + short_date(c.taken) +
+            (added.stood_already ? ", stood here already\n" : "\n"));
+  return 0;
+}
+
+int list(const Options& o, const Talk& talk) {
+  const std::vector<Calibration> all =
+      open_store(o, OpenFor::reading).list(o.serial.empty() ? std::nullopt : std::optional(o.serial));
+  nlohmann::json j = nlohmann::json::array();
+  for (const Calibration& c : all) j.push_back(calibration_json(c));
+  if (talk.json) std::fputs(json_text(j).c_str(), stdout);
+  talk.show(calibration_table(all));
+  return 0;
+}
+
+int show(const Options& o, const Talk& talk) {
+  const Calibration c = intact(open_store(o, OpenFor::reading), o.id);
+  if (!o.output.empty()) {
+    write_whole(o.output, c.model, {o.store});
+    talk.say("wrote " + o.output);
+  }
+  if (o.output == "-") return 0;
+  if (talk.json) std::fputs(json_text(calibration_json(c)).c_str(), stdout);
+  talk.show(calibration_text(c));
+  return 0;
+}
+
+MachineHistory history_of(const Options& o, const Talk& talk) {
+  MachineHistory h = machine_history(calibrations_of(open_store(o, OpenFor::reading), o.serial));
+  for (const std::string& note : h.notes) talk.warn(note);
+  if (h.series.functions.empty())
+    throw InputError(o.store, "no positions of A and C that the maps of these calibrations share");
+  return h;
+}
+
+int compare(const Options& o, const Talk& talk) {
+  const CalibrationStore store = open_store(o, OpenFor::reading);
+  std::vector<Calibration> both = {intact(store, o.id), intact(store, o.other)};
+  if (both[0].machine.serial != both[1].machine.serial)
+    throw RefusalError("calibration " + std::to_string(o.id) + " is of serial number \"" + both[0].machine.serial +
+                       "\", " + std::to_string(o.other) + " of \"" + both[1].machine.serial + "\"");
+  const MachineHistory h = machine_history(std::move(both));
+  for (const std::string& note : h.notes) talk.warn(note);
+  if (h.models.size() < 2 || h.series.functions.empty() || !h.series.left_out.empty())
+    throw InputError(store.name(), "these two cannot be compared: two maps with standard uncertainties, made from " +
+                                       std::string("different readings, are wanted"));
+  if (talk.json) std::fputs(json_text(comparison_json(h)).c_str(), stdout);
+  talk.show(comparison_text(h));
+  return 0;
+}
+
+/// Throws InputError for a limit of something that no calibration has.
+void check_limits(const AlarmLimits& limits, const SeriesSet& set, const std::string& file) {
+  std::vector<std::string> names;
+  for (const auto* kind : {&set.locations, &set.functions, &set.parameters})
+    for (const ErrorSeries& series : *kind) names.push_back(series.name);
+  for (const auto* table : {&limits.value, &limits.change})
+    for (const auto& [name, limit] : *table)
+      if (std::ranges::find(names, name) == names.end() && name.find(':') == std::string::npos)
+        throw InputError(file,
+                         "\"" + name + "\" is no error of this history; the nearest is " + nearest_name(name, names));
+}
+
+int trend(const Options& o, const Talk& talk) {
+  const MachineHistory h = history_of(o, talk);
+  const char tilt = h.machine.tilt_letter();
+  std::vector<Alarm> alarms;
+  if (!o.limits.empty()) {
+    const AlarmLimits limits = read_limits(o.limits);
+    check_limits(limits, h.series, o.limits);
+    alarms = find_alarms(h.series, limits.value, limits.change);
+  }
+  if (!o.output.empty()) {
+    write_whole(o.output, trend_csv(h), {o.store, o.limits});
+    talk.say("wrote " + o.output);
+  }
+  if (talk.json) {
+    nlohmann::json j = {{"format", "trunnion-trend"}, {"version", 1}, {"notes", h.notes}};
+    j["machine"] = {{"name", h.machine.name}, {"serial", h.machine.serial}};
+    j["calibrations"] = nlohmann::json::array();
+    for (const Calibration& c : h.calibrations) j["calibrations"].push_back({{"id", c.id}, {"taken", c.taken}});
+    j["alarms"] = nlohmann::json::array();
+    for (const Alarm& alarm : alarms) j["alarms"].push_back(alarm_json(alarm, tilt));
+    std::fputs(json_text(j).c_str(), stdout);
+  }
+  if (o.output != "-") talk.show(trend_text(h));
+  for (const Alarm& alarm : alarms) std::fprintf(stderr, "alarm: %s\n", alarm_text(alarm, tilt).c_str());
+  return alarms.empty() ? 0 : 1;
+}
+
+int drift(const Options& o, const Talk& talk) {
+  const MachineHistory h = history_of(o, talk);
+  if (h.models.size() < 2) throw InputError(o.store, "two or more independent calibrations are wanted");
+  const double level = kTold / (1 + static_cast<double>(h.series.parameters.size()));
+  const CourseFinding course = find_changes(h.series.poses, h.years, level);
+  std::vector<CourseFinding> parameters;
+  for (const ErrorSeries& series : h.series.parameters)
+    parameters.push_back(find_changes(single_problem(series), h.years, level));
+  const nlohmann::json j = drift_json(h, course, parameters);
+  if (!o.output.empty()) {
+    write_whole(o.output, json_text(j), {o.store});
+    talk.say("wrote " + o.output);
+  }
+  if (o.output == "-") return 0;
+  if (talk.json) std::fputs(json_text(j).c_str(), stdout);
+  talk.show(drift_text(h, course, parameters));
+  return 0;
+}
+
+CLI::App* action(CLI::App& history, const std::string& name, const std::string& what) {
+  CLI::App* app = history.add_subcommand(name, what);
+  app->fallthrough();
+  return app;
+}
+
+}  // namespace
+
+Command history_command(CLI::App& program, const Talk& talk) {
+  auto o = std::make_shared<Options>();
+  CLI::App* app = program.add_subcommand("history", "Calibrations kept over time: list, compare, trend, drift");
+  app->require_subcommand(1);
+  app->add_option("--store", o->store, "The history: an SQLite file, or postgresql://…")
+      ->required()
+      ->type_name("STORE")
+      ->group("Input");
+  app->add_option("--serial", o->serial, "The machine's serial number, where the store holds several")
+      ->type_name("TEXT")
+      ->group("Input");
+  auto run = std::make_shared<Run>();
+  const auto chosen = [run](CLI::App* sub, int (*act)(const Options&, const Talk&), std::shared_ptr<Options> options,
+                            const Talk& to) {
+    sub->callback([=, &to] { *run = [=, &to] { return act(*options, to); }; });
+  };
+
+  CLI::App* sub = action(*app, "add", "Keep a model with what it was made from; the file is made if missing");
+  sub->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
+  sub->add_option("--model", o->model, "Model (JSON)")->required()->type_name("model.json")->group("Input");
+  sub->add_option("--date", o->date, "When the readings were taken: 2026-03-01 or 2026-03-01T14:30:00Z")
+      ->required()
+      ->type_name("DATE")
+      ->group("Input");
+  sub->add_option("--closure", o->closure, "closure.json of the same calibration")->type_name("C.json")->group("Input");
+  sub->add_option("--data", o->data, "Files to check against the hashes in the model")
+      ->type_name("FILE …")
+      ->group("Input");
+  sub->add_option("--note", o->note, "A line of text to keep with it")->type_name("TEXT")->group("Input");
+  chosen(sub, add, o, talk);
+
+  chosen(action(*app, "list", "What is kept, by serial number and date"), list, o, talk);
+
+  sub = action(*app, "show", "One calibration; -o writes its model as it was kept");
+  sub->add_option("id", o->id, "Number of the calibration")->required()->type_name("ID")->group("Input");
+  sub->add_option("-o,--output", o->output, "Model to write (JSON)")->type_name("model.json")->group("Output");
+  chosen(sub, show, o, talk);
+
+  sub = action(*app, "compare", "What differs between two calibrations of a machine, told from noise");
+  sub->add_option("id", o->id, "Number of the earlier calibration")->required()->type_name("ID")->group("Input");
+  sub->add_option("other", o->other, "Number of the later one")->required()->type_name("ID")->group("Input");
+  chosen(sub, compare, o, talk);
+
+  sub = action(*app, "trend", "Every error over the calibrations with its 95 % band; exit status 1 beyond a limit");
+  sub->add_option("--limits", o->limits, "Alarm limits (TOML: tables [value] and [change])")
+      ->type_name("L.toml")
+      ->group("Input");
+  sub->add_option("-o,--output", o->output, "All values to write (CSV)")->type_name("T.csv")->group("Output");
+  chosen(sub, trend, o, talk);
+
+  sub = action(*app, "drift", "Which errors moved, since when and by how much");
+  sub->add_option("-o,--output", o->output, "Findings to write (JSON)")->type_name("D.json")->group("Output");
+  chosen(sub, drift, o, talk);
+
+  app->footer(
+      "Examples:\n"
+      "  trunnion history add --store shop.db --machine machine.toml --model model.json --date 2026-03-01\n"
+      "  trunnion history trend --store shop.db --serial 0001 --limits limits.toml -o trend.csv");
+  return {app, [run] { return (*run)(); }};
+}
+
+}  // namespace trunnion
