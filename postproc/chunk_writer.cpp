@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "error.h"
+#include "postproc/block.h"
+#include "postproc/tool_axis.h"
 
 namespace trunnion {
 namespace {
@@ -19,6 +22,10 @@ constexpr double kSameDuration = 0.02;  // of a block's time: what a correction 
 /// 30 um error scale bend 0.003 um.
 constexpr double kStraight_deg = 2;
 constexpr double kStraight_mm = 20;
+constexpr double kShortestTime_s = 0.001, kLongestTime_s = 999.999;  // of FT
+constexpr int kTimeDecimals = 4;
+
+constexpr int kDirectionDecimals = 7;  // a tenth of a microradian
 
 std::string text_of(double value, int decimals) {
   std::string text;
@@ -26,7 +33,7 @@ std::string text_of(double value, int decimals) {
   return text;
 }
 
-bool same(Decimal a, Decimal b) { return (a - b).mantissa == 0; }
+bool same(Decimal a, Decimal b) { return a.decimals == b.decimals ? a.mantissa == b.mantissa : (a - b).mantissa == 0; }
 
 AxisValues between(const AxisValues& from, const AxisValues& to, double s) {
   AxisValues at;
@@ -34,31 +41,14 @@ AxisValues between(const AxisValues& from, const AxisValues& to, double s) {
   return at;
 }
 
-/// `at` with the axes of an arc's plane where they are after the part `s` of the way.
-AxisValues with_arc(const MotionBlock& block, AxisValues at, double s) {
-  if (!block.arc || s >= 1) return at;
-  const Arc& arc = *block.arc;
-  const double a = block.from[arc.first] - arc.centre_first, b = block.from[arc.second] - arc.centre_second;
-  const double begin = std::hypot(a, b);
-  const double end =
-      std::hypot(block.target[arc.first] - arc.centre_first, block.target[arc.second] - arc.centre_second);
-  const double grown = 1 + s * (end / begin - 1);
-  const double cosine = std::cos(s * arc.sweep_rad), sine = std::sin(s * arc.sweep_rad);
-  at[arc.first] = arc.centre_first + grown * (cosine * a - sine * b);
-  at[arc.second] = arc.centre_second + grown * (sine * a + cosine * b);
-  return at;
-}
-
-/// Where the programmed path is after the part `s` of its way.
-AxisValues on_way(const MotionBlock& block, double s) {
-  return with_arc(block, between(block.from, block.target, s), s);
-}
-
-Commanded between(const Commanded& from, const Commanded& to, double s) {
-  Commanded at = to;
-  at.xyz_mm = from.xyz_mm + s * (to.xyz_mm - from.xyz_mm);
-  at.rotary.a = from.rotary.a + s * (to.rotary.a - from.rotary.a);
-  at.rotary.c = from.rotary.c + s * (to.rotary.c - from.rotary.c);
+/// `at` with X Y Z where an arc is after the part `s` of its way.
+AxisValues with_arc(const Arc* arc, AxisValues at, double s) {
+  if (arc == nullptr || s >= 1) return at;
+  const double angle = s * arc->sweep_rad;
+  const Vector3d place = arc->centre +
+                         (1 + s * arc->growth) * (std::cos(angle) * arc->along + std::sin(angle) * arc->across) +
+                         s * arc->rise;
+  for (std::size_t i = 0; i < 3; ++i) at[i] = place[static_cast<Eigen::Index>(i)];
   return at;
 }
 
@@ -69,14 +59,19 @@ double turn_deg(const AxisValues& from, const AxisValues& to) {
   return std::hypot(to[kTilt] - from[kTilt], to[kTurn] - from[kTurn]);
 }
 
-Commanded commanded(const MotionBlock& block, const AxisValues& at) {
-  return {Vector3d(at[0], at[1], at[2]),
-          {Angle::degrees(at[kTilt]), Angle::degrees(at[kTurn])},
-          block.tilt_sense,
-          block.turn_sense};
+double unit(const MotionBlock& block, std::size_t axis) { return axis < 3 ? block.unit_mm : 1; }
+
+/// Of R or W, from one of the program's frame.
+Vector3d out_of_frame(const MotionBlock& block, const Vector3d& v) {
+  const ProgramFrame* frame = block.frame();
+  return frame != nullptr ? Vector3d(frame->rotation * v) : v;
+}
+Vector3d into_frame(const MotionBlock& block, const Vector3d& v) {
+  const ProgramFrame* frame = block.frame();
+  return frame != nullptr ? Vector3d(frame->rotation.transpose() * v) : v;
 }
 
-double unit(const MotionBlock& block, std::size_t axis) { return axis < 3 ? block.unit_mm : 1; }
+bool by_vectors(const MotionBlock& block) { return block.extras && block.extras->direction_in_effect; }
 
 /// `at` with the rotary axes where their words can say them: the position is then solved for the angles that are
 /// written.
@@ -87,11 +82,8 @@ AxisValues on_grid(const MotionBlock& block, AxisValues at) {
 }
 
 /// Chords that keep within `tolerance_mm` of an arc, which leaves a tenth of it for the correction's own bend.
-int chords(const MotionBlock& block, double tolerance_mm) {
-  const Arc& arc = *block.arc;
-  const double radius =
-      std::hypot(block.from[arc.first] - arc.centre_first, block.from[arc.second] - arc.centre_second);
-  const double step = 2 * std::acos(std::max(0.0, 1 - 0.9 * tolerance_mm / radius));
+int chords(const Arc& arc, double tolerance_mm) {
+  const double step = 2 * std::acos(std::max(0.0, 1 - 0.9 * tolerance_mm / arc.along.norm()));
   return std::max(1, static_cast<int>(std::min(1e6, std::ceil(std::abs(arc.sweep_rad) / step))));
 }
 
@@ -139,7 +131,7 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
   source_ = text;
   copied_ = 0;
   out_ = {};
-  out_.text.reserve(text.size() + text.size() / 4);
+  out_.text.reserve(text.size() + text.size() / 8);
   out_.counts.lines = scanned.lines;
   out_.counts.copied_moves = scanned.copied_moves;
   out_.refusals = scanned.refusals;
@@ -148,10 +140,10 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
     ticks_ = {};
     lines_since_arc_ = false;
     if (const auto& before = scanned.before) {
-      last_ = solve(*before, before->target);
+      last_ = solved(*before, before->target);
       ticks_ = last_->ticks;
       ticks_unit_mm_ = before->unit_mm;
-      lines_since_arc_ = before->arc && !stays_an_arc(*before, solve(*before, before->from), *last_);
+      lines_since_arc_ = before->arc() != nullptr && !moved_arc(*before, solved(*before, before->from).ticks, *last_);
     }
   }
   for (const MotionBlock& block : scanned.blocks) {
@@ -165,7 +157,7 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
     }
     if (!keep_going_) break;
     for (std::size_t i = 0; i < kAxes; ++i)
-      if (holds(block.programmed, i) && !block.incremental) ticks_[i] = {};
+      if (holds(block.programmed, i) && !holds(block.incremental, i)) ticks_[i] = {};
     last_.reset();
   }
   std::ranges::stable_sort(out_.refusals, {}, &Refusal::line);
@@ -176,19 +168,64 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
 // --- solving
 // ----------------------------------------------------------------------------------------------------------
 
-ChunkWriter::Solution ChunkWriter::solve(const MotionBlock& block, const AxisValues& at) const {
+Commanded ChunkWriter::commanded(const MotionBlock& block, const AxisValues& at) const {
+  Commanded place{Vector3d(at[0], at[1], at[2]),
+                  {Angle::degrees(at[kTilt]), Angle::degrees(at[kTurn])},
+                  block.tilt_sense,
+                  block.turn_sense};
+  if (const ProgramFrame* frame = block.frame()) place.xyz_mm = frame->origin_mm + frame->rotation * place.xyz_mm;
+  return place;
+}
+
+/// Where the programmed path is between two places of it.
+AxisValues ChunkWriter::place_between(const MotionBlock& block, const AxisValues& from, const AxisValues& to,
+                                      double s) const {
+  AxisValues at = between(from, to, s);
+  if (!block.straight_on_part || s >= 1) return at;
+  const Vector3d xyz =
+      sent_between(block, commanded(block, from), commanded(block, to), s).xyz_mm;  // such blocks have no frame
+  for (std::size_t i = 0; i < 3; ++i) at[i] = xyz[static_cast<Eigen::Index>(i)];
+  return at;
+}
+
+/// Where the programmed path is after the part `s` of its way.
+AxisValues ChunkWriter::on_way(const MotionBlock& block, double s) const {
+  return with_arc(block.arc(), place_between(block, block.from, block.target, s), s);
+}
+
+Commanded ChunkWriter::sent_between(const MotionBlock& block, const Commanded& from, const Commanded& to,
+                                    double s) const {
+  Commanded at = to;
+  at.rotary.a = from.rotary.a + s * (to.rotary.a - from.rotary.a);
+  at.rotary.c = from.rotary.c + s * (to.rotary.c - from.rotary.c);
+  if (block.straight_on_part) {
+    const KinematicChain& chain = corrector(block).chain();
+    const auto on_part = [&](const Commanded& c) { return chain.r_from_w(c.rotary).inverse() * c.xyz_mm; };
+    const Vector3d begin = on_part(from), end = on_part(to);
+    at.xyz_mm = chain.r_from_w(at.rotary) * Vector3d(begin + s * (end - begin));
+  } else {
+    at.xyz_mm = from.xyz_mm + s * (to.xyz_mm - from.xyz_mm);
+  }
+  return at;
+}
+
+/// Whether the rotary axes of the block are corrected as well.
+bool ChunkWriter::turns(const MotionBlock& block) const {
+  return !block.rotary_fixed && with_tcp_.settings().orientation == Orientation::corrected;
+}
+
+void ChunkWriter::solve(const MotionBlock& block, const AxisValues& at, Solution& solution) const {
+  const Corrector& solver = corrector(block);
   const Commanded programmed = commanded(block, at);
-  const Range<Angle> measured = corrector(block).tilt_range();
+  const Range<Angle> measured = solver.tilt_range();
   if (at[kTilt] < measured.low.in_degrees() - kAngleRounding_deg ||
       at[kTilt] > measured.high.in_degrees() + kAngleRounding_deg)
     throw RangeError(std::string(1, letters_[kTilt]) + text_of(at[kTilt], 4) + ": outside the probed range " +
                      text_of(measured.low.in_degrees(), 4) + " ... " + text_of(measured.high.in_degrees(), 4) + " deg");
-  const RotaryCorrection turn = corrector(block).rotary(programmed);
-  if (!std::isfinite(turn.da.in_radians()) || !std::isfinite(turn.dc.in_radians()) ||
-      std::abs(turn.da.in_radians()) > 1 || std::abs(turn.dc.in_radians()) > 1)
+  const RotaryCorrection turn = turns(block) ? solver.rotary(programmed) : RotaryCorrection{};
+  if (!(std::abs(turn.da.in_radians()) <= 1) || !(std::abs(turn.dc.in_radians()) <= 1))
     throw RangeError("the model gives no usable correction of the rotary axes here");
 
-  Solution solution;
   solution.programmed = at;
   solution.residual = turn.residual;
   solution.commanded = programmed;
@@ -199,14 +236,22 @@ ChunkWriter::Solution ChunkWriter::solve(const MotionBlock& block, const AxisVal
     solution.commanded.rotary.a = Angle::degrees(at[kTilt] + solution.ticks[kTilt].value());
   if (solution.ticks[kTurn].mantissa != 0)
     solution.commanded.rotary.c = Angle::degrees(at[kTurn] + solution.ticks[kTurn].value());
-  solution.linear = corrector(block).linear(programmed, solution.commanded.rotary);
+  solution.linear = solver.linear(programmed, solution.commanded.rotary);
   if (!(solution.linear.change_mm.cwiseAbs().maxCoeff() < kAbsurd_mm) || !(solution.linear.deviation_mm < kAbsurd_mm))
     throw RangeError("the model gives no usable correction of the position here");
+  const Vector3d change = into_frame(block, solution.linear.change_mm);
+  Vector3d step;
   for (std::size_t i = 0; i < 3; ++i) {
     const Eigen::Index axis = static_cast<Eigen::Index>(i);
-    solution.ticks[i] = rounded(solution.linear.change_mm[axis] / block.unit_mm, block.decimals[i]);
-    solution.commanded.xyz_mm[axis] += solution.ticks[i].value() * block.unit_mm;
+    solution.ticks[i] = rounded(change[axis] / block.unit_mm, block.decimals[i]);
+    step[axis] = solution.ticks[i].value() * block.unit_mm;
   }
+  solution.commanded.xyz_mm += out_of_frame(block, step);
+}
+
+ChunkWriter::Solution ChunkWriter::solved(const MotionBlock& block, const AxisValues& at) const {
+  Solution solution;
+  solve(block, at, solution);
   return solution;
 }
 
@@ -231,62 +276,90 @@ void ChunkWriter::check(const AxisValues& at, const Solution& solution) const {
   }
 }
 
+/// What of the tool axis a block's own correction misses; not what damping leaves.
+double ChunkWriter::tilt_left_rad(const MotionBlock& block, const Commanded& wanted, const Commanded& sent) const {
+  const Corrector& judge = corrector(block);
+  return (judge.tilt_error(wanted, sent.rotary) - judge.rotary(wanted).residual).in_radians();
+}
+
 bool ChunkWriter::holds_between(const MotionBlock& block, const Solution& from, double from_part, const Solution& to,
                                 double to_part, double& tip_mm, double& tilt_rad) const {
-  const Corrector& judge = corrector(block);
   for (const double s : {0.5, 0.25, 0.75}) {
     const double part = from_part + s * (to_part - from_part);
-    const Commanded wanted = commanded(block, with_arc(block, between(from.programmed, to.programmed, s), part));
-    const Commanded sent = between(from.commanded, to.commanded, s);
-    tip_mm = std::max(tip_mm, judge.tip_error_mm(wanted, sent));
-    // What damping leaves there is not the line's fault.
-    if (judge.settings().orientation == Orientation::corrected)
-      tilt_rad =
-          std::max(tilt_rad, (judge.tilt_error(wanted, sent.rotary) - judge.rotary(wanted).residual).in_radians());
+    const Commanded wanted =
+        commanded(block, with_arc(block.arc(), place_between(block, from.programmed, to.programmed, s), part));
+    const Commanded sent = sent_between(block, from.commanded, to.commanded, s);
+    tip_mm = std::max(tip_mm, corrector(block).tip_error_mm(wanted, sent));
+    if (turns(block)) tilt_rad = std::max(tilt_rad, tilt_left_rad(block, wanted, sent));
   }
   return tip_mm <= guard_.tolerance_mm && tilt_rad <= guard_.tolerance_rad;
 }
 
-bool ChunkWriter::stays_an_arc(const MotionBlock& block, const Solution& begin, const Solution& end) const {
-  if (!block.arc_movable)
-    return std::ranges::all_of(end.ticks, [](Decimal t) { return t.mantissa == 0; }) && bends_less(block, begin, end);
-  return bends_less(block, begin, end);
-}
-
-bool ChunkWriter::bends_less(const MotionBlock& block, const Solution& begin, const Solution& end) const {
-  for (std::size_t i = 0; i < kAxes; ++i)
-    if (!same(begin.ticks[i], end.ticks[i])) return false;
+/// By how much an arc is moved if it stays an arc within tolerance, in the program's frame: from where it begins
+/// corrected to where it ends corrected, its centre midway. Arcs whose centre the block does not tell stay only
+/// unmoved.
+std::optional<Eigen::Vector3d> ChunkWriter::moved_arc(const MotionBlock& block, const Ticks& before,
+                                                      const Solution& end) const {
+  const Arc& meant = *block.arc();
+  const bool unmoved = std::ranges::all_of(end.ticks, [](Decimal t) { return t.mantissa == 0; }) &&
+                       std::ranges::all_of(before, [](Decimal t) { return t.mantissa == 0; });
+  if (!block.extras->arc_movable && !unmoved) return std::nullopt;
+  Vector3d at_begin, at_end, centre;
+  bool by_centre = false, equal = true;
+  for (const ArcWord& word : block.extras->arc_word)
+    by_centre |= word.tells == ArcWord::Tells::centre || word.tells == ArcWord::Tells::centre_from_begin;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Index axis = static_cast<Eigen::Index>(i);
+    at_begin[axis] = before[i].value() * block.unit_mm;
+    at_end[axis] = end.ticks[i].value() * block.unit_mm;
+    equal &= same(before[i], end.ticks[i]);
+    centre[axis] = rounded(0.5 * (before[i].value() + end.ticks[i].value()), block.decimals[i]).value() * block.unit_mm;
+  }
+  if (!by_centre && !equal) return std::nullopt;
+  // The third axis has no centre.
+  const Vector3d normal = meant.along.cross(meant.across).normalized();
+  Arc sent = meant;
+  sent.centre += centre - normal * normal.dot(centre - at_begin);
+  sent.along += at_begin - (sent.centre - meant.centre);
+  sent.across = normal.cross(sent.along);
+  sent.rise += normal * normal.dot(at_end - at_begin);
+  const Vector3d to = Vector3d(block.target[0], block.target[1], block.target[2]) + at_end - sent.centre - sent.rise;
+  sent.growth = to.norm() / sent.along.norm() - 1;
+  // The same whole turns, and between them the angle to the moved end.
+  const double bend =
+      std::remainder(std::atan2(to.dot(sent.across), to.dot(sent.along)) - meant.sweep_rad, 2 * std::numbers::pi);
+  sent.sweep_rad += bend;
   constexpr int kLooks = 16;  // the errors' harmonics are far coarser
   for (int k = 1; k < kLooks; ++k) {
-    const Commanded wanted = commanded(block, on_way(block, static_cast<double>(k) / kLooks));
-    Commanded sent = wanted;
-    sent.xyz_mm += end.commanded.xyz_mm - commanded(block, block.target).xyz_mm;
-    sent.rotary.a = sent.rotary.a + Angle::degrees(end.ticks[kTilt].value());
-    sent.rotary.c = sent.rotary.c + Angle::degrees(end.ticks[kTurn].value());
-    if (corrector(block).tip_error_mm(wanted, sent) > guard_.tolerance_mm) return false;
-    if (corrector(block).settings().orientation == Orientation::corrected &&
-        (corrector(block).tilt_error(wanted, sent.rotary) - corrector(block).rotary(wanted).residual).in_radians() >
-            guard_.tolerance_rad)
-      return false;
+    const double s = static_cast<double>(k) / kLooks;
+    const Commanded wanted = commanded(block, on_way(block, s));
+    AxisValues at = with_arc(&sent, between(block.from, block.target, s), s);
+    for (const std::size_t i : {kTilt, kTurn})
+      at[i] += before[i].value() + s * (end.ticks[i].value() - before[i].value());
+    const Commanded there = commanded(block, at);
+    if (corrector(block).tip_error_mm(wanted, there) > guard_.tolerance_mm) return std::nullopt;
+    if (turns(block) && tilt_left_rad(block, wanted, there) > guard_.tolerance_rad) return std::nullopt;
   }
-  return true;
+  return centre;
+}
+
+bool ChunkWriter::is_short(const MotionBlock& block) const {
+  if (block.kind != BlockKind::feed || !block.from_known || !last_) return true;
+  return block.arc() == nullptr && turn_deg(block.from, block.target) <= kStraight_deg &&
+         length_mm(block.from, block.target) <= kStraight_mm;
 }
 
 ChunkWriter::Way ChunkWriter::way(const MotionBlock& block, const Solution& end) const {
-  if (block.kind != BlockKind::feed || !block.from_known || !last_) return {{end}};
-  if (!block.arc && turn_deg(block.from, block.target) <= kStraight_deg &&
-      length_mm(block.from, block.target) <= kStraight_mm)
-    return {{end}};
-  const Solution begin = solve(block, block.from);
-  if (block.arc && stays_an_arc(block, begin, end)) return {.ends = {end}, .arc = true};
-  const int most = block.arc ? guard_.most_arc_pieces : guard_.most_pieces;
-  for (int n = block.arc ? std::min(most, chords(block, guard_.tolerance_mm)) : 1;;) {
+  const Arc* arc = block.arc();
+  const Solution begin = solved(block, block.from);
+  const int most = arc != nullptr ? guard_.most_arc_pieces : guard_.most_pieces;
+  for (int n = arc != nullptr ? std::min(most, chords(*arc, guard_.tolerance_mm)) : 1;;) {
     Way way;
     double tip_mm = 0, tilt_rad = 0;
     way.ends.reserve(static_cast<std::size_t>(n));
     for (int k = 1; k <= n; ++k) {
       const double before = static_cast<double>(k - 1) / n, after = static_cast<double>(k) / n;
-      way.ends.push_back(k == n ? end : solve(block, on_grid(block, on_way(block, after))));
+      way.ends.push_back(k == n ? end : solved(block, on_grid(block, on_way(block, after))));
       const Solution& from = k == 1 ? begin : way.ends[static_cast<std::size_t>(k) - 2];
       if (!holds_between(block, from, before, way.ends.back(), after, tip_mm, tilt_rad)) way.within_tolerance = false;
     }
@@ -310,39 +383,72 @@ ChunkWriter::Ticks ChunkWriter::ticks_before(const MotionBlock& block) const {
   return ticks;
 }
 
-std::vector<ChunkWriter::Piece> ChunkWriter::pieces(const MotionBlock& block, const std::vector<Solution>& way,
-                                                    const Ticks& before) const {
-  const AxisValues* last_place = &block.from;
-  std::vector<Piece> pieces;
-  pieces.reserve(way.size());
-  std::array<Decimal, kAxes> moved{};  // what incremental words have said so far
-  const Ticks* last_ticks = &before;
-  for (const Solution& end : way) {
-    Piece piece{end, {}};
-    const bool final = &end == &way.back();
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      const bool programmed = holds(block.programmed, i);
-      const bool moves = block.arc && end.programmed[i] != (*last_place)[i];
-      if (!programmed && !moves && same(end.ticks[i], (*last_ticks)[i])) continue;
+ChunkWriter::NewWords ChunkWriter::words(const MotionBlock& block, const Solution& end, bool final, Pen& pen) const {
+  NewWords words;
+  const bool vectors = by_vectors(block);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (i >= kTilt && (vectors || block.rotary_fixed)) break;
+    const bool programmed = holds(block.programmed, i);
+    const bool moves = pen.lines && end.programmed[i] != (*pen.last_place)[i];
+    if (!programmed && !moves && same(end.ticks[i], pen.last[i])) continue;
+    const bool incremental = holds(block.incremental, i);
+    if (programmed && final) {
+      Decimal value = block.word[i].value + end.ticks[i];
+      if (incremental) {
+        const Decimal whole = value - pen.before[i];
+        value = whole - pen.moved[i];
+        pen.moved[i] = whole;
+      }
+      words[i] = value;
+    } else {
       // Inside the block no digits are given: the place as it is solved, rounded once.
-      const double change =
-          i < 3 ? end.linear.change_mm[static_cast<Eigen::Index>(i)] / block.unit_mm : end.ticks[i].value();
-      const double from = block.incremental ? block.from[i] : block.zero[i];
+      const double change = i < 3
+                                ? into_frame(block, end.linear.change_mm)[static_cast<Eigen::Index>(i)] / block.unit_mm
+                                : end.ticks[i].value();
+      const double from = incremental ? block.from[i] : block.zero[i];
       const double place = (end.programmed[i] - from) / unit(block, i) + change;
-      if (!block.incremental) {
-        piece.words[i] = programmed && final ? block.word[i].number + end.ticks[i] : rounded(place, block.decimals[i]);
+      if (!incremental) {
+        words[i] = rounded(place, block.decimals[i]);
       } else {
-        const Decimal whole = final ? (programmed ? block.word[i].number : Decimal{}) + end.ticks[i] - before[i]
-                                    : rounded(place - before[i].value(), block.decimals[i]);
-        piece.words[i] = whole - moved[i];
-        moved[i] = whole;
+        const Decimal whole =
+            final ? end.ticks[i] - pen.before[i] : rounded(place - pen.before[i].value(), block.decimals[i]);
+        words[i] = whole - pen.moved[i];
+        pen.moved[i] = whole;
       }
     }
-    last_ticks = &end.ticks;
-    last_place = &end.programmed;
-    pieces.push_back(piece);
+    if (holds(block.in_turn, i)) {
+      const std::int64_t turn = 360 * power_of_ten(words[i]->decimals);
+      words[i]->mantissa = ((words[i]->mantissa % turn) + turn) % turn;
+    }
   }
-  return pieces;
+  if (vectors) direction_words(block, end, final, pen, words);
+  pen.last = end.ticks;
+  pen.last_place = &end.programmed;
+  return words;
+}
+
+/// The tool axis at the corrected angles, as the program's frame sees it.
+void ChunkWriter::direction_words(const MotionBlock& block, const Solution& end, bool final, const Pen& pen,
+                                  NewWords& words) const {
+  const KinematicChain& chain = corrector(block).chain();
+  const auto& programmed = block.extras->direction;
+  const bool moves = programmed && !final;
+  if (!programmed && same(end.ticks[kTilt], pen.last[kTilt]) && same(end.ticks[kTurn], pen.last[kTurn])) return;
+  const Vector3d sent = into_frame(block, tool_axis_w(chain, end.commanded.rotary));
+  const Vector3d meant = into_frame(
+      block, tool_axis_w(chain, {Angle::degrees(end.programmed[kTilt]), Angle::degrees(end.programmed[kTurn])}));
+  double length = 1;
+  if (programmed && final) {
+    length = 0;
+    for (const WordPlace& word : *programmed) length += word.value.value() * word.value.value();
+    length = std::sqrt(length);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Index axis = static_cast<Eigen::Index>(i);
+    words[kAxes + i] = programmed && final
+                           ? (*programmed)[i].value + rounded(length * (sent - meant)[axis], kDirectionDecimals)
+                           : rounded(moves || !programmed ? sent[axis] : meant[axis], kDirectionDecimals);
+  }
 }
 
 ChunkWriter::NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after,
@@ -352,10 +458,11 @@ ChunkWriter::NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks
   if (block.feed_mode == FeedMode::inverse_time) {
     if (pieces == 1) return {};
     if (block.feed <= 0) throw RefusalError("F is not known: with G93 every block that moves needs its own");
-    return {feed_decimal(block.feed * n), false};
+    return {.word = feed_decimal(block.feed * n)};
   }
   const double turn = turn_deg(block.from, block.target);
-  if (!block.from_known || block.arc || turn == 0) return {};
+  if (!block.from_known || block.arc() != nullptr || turn == 0) return {};
+  if (text_.feed_over_all_axes && !block.tcp && !block.straight_on_part) return {};
   AxisValues to = block.target;
   bool changed = false;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -371,41 +478,76 @@ ChunkWriter::NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks
     throw RefusalError("a turn of the rotary axes in G95 whose X Y Z correction would change its duration");
   if (block.feed <= 0) throw RefusalError("F is not known, so the duration of this turn cannot be kept");
   const double minutes = nominal > 0 ? nominal / (block.feed * block.feed_unit_mm) : turn / block.feed;
-  return {feed_decimal(n / minutes), true};
+  if (!text_.time_in_seconds) return {.word = feed_decimal(n / minutes), .timed = true};
+  const double seconds = 60 * minutes / n;
+  if (seconds > kLongestTime_s || seconds < kShortestTime_s)
+    throw RefusalError("the duration of this turn, " + text_of(seconds, 4) + " s, is beyond what FT can say");
+  return {.word = rounded(seconds, kTimeDecimals), .timed = true};
 }
 
 void ChunkWriter::correct(const MotionBlock& block) {
-  const Solution end = solve(block, block.target);
+  Solution end;
+  solve(block, block.target, end);
   check(block.target, end);
-  const Ticks before = ticks_before(block);
-  const Way sent = way(block, end);
-  const std::vector<Solution>& ends = sent.ends;
-  for (const Solution& solution : ends) check(solution.programmed, solution);
-  if (ends.size() > 1 && block.stops)
-    throw RefusalError("a move that must be divided stands in one block with a program stop; give each its own block");
-  const std::vector<Piece> parts = pieces(block, ends, before);
-  NewFeed feed = new_feed(block, before, end.ticks, parts.size());
-  if (feed.inverse_time_meanwhile && block.stops)
-    throw RefusalError("a turn of the rotary axes stands in one block with a program stop; give each its own block");
-  if (block.arc) {
-    feed.arc_code = !sent.arc ? 1 : block.arc->sweep_rad < 0 ? 2 : 3;
-    feed.lines_for_arc = !sent.arc;
-    // A block that says its code leaves the modal one as it was meant.
-    if (sent.arc && (block.motion_word || !lines_since_arc_)) feed.arc_code = 0;
+  Pen pen{.before = ticks_before(block), .last_place = &block.from};
+  pen.last = pen.before;
+  NewFeed feed;
+  std::vector<NewWords> pieces;
+  bool within_tolerance = true;
+  const bool whole = is_short(block);
+  std::optional<Vector3> centre;
+  if (!whole && block.arc() != nullptr) centre = moved_arc(block, pen.before, end);
+  if (whole || centre) {
+    const NewWords words = this->words(block, end, true, pen);
+    feed = new_feed(block, pen.before, end.ticks, 1);
+    if (!feed.word && !centre && !block.arc()) {
+      rewrite_numbers(block, words);
+    } else {
+      pieces.push_back(words);
+    }
+  } else {
+    const Way sent = way(block, end);
+    pen.lines = block.arc() != nullptr || (block.straight_on_part && sent.ends.size() > 1);
+    within_tolerance = sent.within_tolerance;
+    for (const Solution& solution : sent.ends) {
+      check(solution.programmed, solution);
+      pieces.push_back(words(block, solution, &solution == &sent.ends.back(), pen));
+      count(solution);
+      last_ = solution;
+    }
+    feed = new_feed(block, pen.before, end.ticks, pieces.size());
   }
-  lines_since_arc_ = block.arc && !sent.arc;
-
-  rewrite(block, parts.front().words, feed);
-  if (parts.size() > 1 || feed.inverse_time_meanwhile) {
-    end_line(block);
-    for (std::size_t i = 1; i < parts.size(); ++i) insert(block, parts[i].words, feed);
-    if (feed.inverse_time_meanwhile) restore_feed(block);
+  if ((pieces.size() > 1 || feed.timed) && block.stops)
+    throw RefusalError(
+        pieces.size() > 1
+            ? "a move that must be divided stands in one block with a program stop; give each its own block"
+            : "a turn of the rotary axes stands in one block with a program stop; give each its own block");
+  if (pieces.size() > 1 && block.extras && !block.extras->undividable.empty())
+    throw RefusalError(std::string(block.extras->undividable) + " would have to be divided; post shorter moves");
+  if (block.cutter && (pieces.size() > 1 || (block.arc() != nullptr && !centre)))
+    throw RefusalError(
+        "cutter radius compensation is active and this move would have to be divided; post the tool's centre path");
+  if (block.arc() != nullptr) {
+    feed.arc_code = !centre ? '1' : block.arc()->sweep_rad < 0 ? '2' : '3';
+    feed.lines_for_arc = !centre;
+    if (centre) feed.centre_mm = *centre;
+    // A block that says its code leaves the modal one as it was meant.
+    if (centre && (block.motion_word.stands() || !lines_since_arc_)) feed.arc_code = 0;
+  }
+  lines_since_arc_ = block.arc() != nullptr && !centre;
+  if (!pieces.empty()) {
+    rewrite(block, pieces.front(), feed);
+    if (pieces.size() > 1 || feed.timed) {
+      end_line(block);
+      for (std::size_t i = 1; i < pieces.size(); ++i) insert(block, pieces[i], feed);
+      if (feed.timed) restore_feed(block);
+    }
   }
   ++out_.counts.corrected_blocks;
-  if (!sent.within_tolerance) ++out_.counts.beyond_tolerance;
-  for (const Solution& solution : ends) {
-    count(solution);
-    last_ = solution;
+  if (!within_tolerance) ++out_.counts.beyond_tolerance;
+  if (whole || centre) {
+    count(end);
+    last_ = end;
   }
   ticks_ = end.ticks;
   ticks_unit_mm_ = block.unit_mm;
@@ -413,20 +555,19 @@ void ChunkWriter::correct(const MotionBlock& block) {
 
 void ChunkWriter::count(const Solution& solution) {
   CorrectionCounts& counts = out_.counts;
-  const auto by = [](const Solution& s) {
-    return std::array<double, 2>{Angle::degrees(s.ticks[kTilt].value()).in_radians(),
-                                 Angle::degrees(s.ticks[kTurn].value()).in_radians()};
+  const auto by = [](const Solution& s, std::size_t axis) {
+    return Angle::degrees(s.ticks[axis].value()).in_radians();
   };
   counts.largest_deviation_mm = std::max(counts.largest_deviation_mm, solution.linear.deviation_mm);
   counts.largest_tilt_rad = std::max(counts.largest_tilt_rad, solution.linear.error.rotation_rad.norm());
   counts.largest_residual_rad = std::max(counts.largest_residual_rad, solution.residual.in_radians());
-  counts.largest_c_correction_rad = std::max(counts.largest_c_correction_rad, std::abs(by(solution)[1]));
+  counts.largest_c_correction_rad = std::max(counts.largest_c_correction_rad, std::abs(by(solution, kTurn)));
   if (last_) {
     counts.largest_position_change_mm =
         std::max(counts.largest_position_change_mm, (solution.linear.change_mm - last_->linear.change_mm).norm());
-    for (std::size_t i = 0; i < 2; ++i)
+    for (const std::size_t i : {kTilt, kTurn})
       counts.largest_rotary_change_rad =
-          std::max(counts.largest_rotary_change_rad, std::abs(by(solution)[i] - by(*last_)[i]));
+          std::max(counts.largest_rotary_change_rad, std::abs(by(solution, i) - by(*last_, i)));
   }
 }
 
@@ -434,8 +575,8 @@ void ChunkWriter::set_position(const MotionBlock& block) {
   const Ticks now = ticks_before(block);
   NewWords words;
   for (std::size_t i = 0; i < kAxes; ++i)
-    if (holds(block.programmed, i)) words[i] = block.word[i].number + now[i];
-  rewrite(block, words, {});
+    if (holds(block.programmed, i)) words[i] = block.word[i].value + now[i];
+  rewrite_numbers(block, words);
 }
 
 // --- writing
@@ -446,73 +587,175 @@ void ChunkWriter::copy_to(std::uint32_t place) {
   copied_ = place;
 }
 
-void ChunkWriter::append_word(const MotionBlock& block, std::size_t axis, Decimal value, bool blank) {
-  if (blank) out_.text += ' ';
-  const bool small = block.words > 0 && source_[block.word[block.order[0]].text] >= 'a';
-  out_.text += static_cast<char>(small ? letters_[axis] - 'A' + 'a' : letters_[axis]);
-  append_number(out_.text, value, block.style[axis]);
-  ++out_.counts.added_words;
+const WordPlace* ChunkWriter::word_of(const MotionBlock& block, std::size_t slot) const {
+  if (slot < kAxes) return holds(block.programmed, slot) ? &block.word[slot] : nullptr;
+  return block.extras->direction ? &(*block.extras->direction)[slot - kAxes] : nullptr;
 }
 
-void ChunkWriter::append_feed(const MotionBlock& block, Decimal value, bool blank) {
+void ChunkWriter::append_number_in(Decimal number, NumberStyle style) {
+  style.plus |= text_.sign_always;
+  style.point |= text_.point_always;
+  append_number(out_.text, number, style);
+}
+
+void ChunkWriter::replace_number(const WordPlace& word, Decimal value) {
+  copy_to(word.number);
+  append_number_in(value, word.style);
+  copied_ = word.number_end;
+  ++out_.counts.changed_words;
+}
+
+/// A word of axis or vector, dressed as the block's own word is: its letter, its =IC( ), its I.
+void ChunkWriter::append_word(const MotionBlock& block, std::size_t slot, Decimal value, bool blank) {
+  if (blank) out_.text += ' ';
+  if (const WordPlace* own = word_of(block, slot)) {
+    out_.text.append(source_.substr(own->text, own->number - own->text));
+    append_number_in(value, own->style);
+    out_.text.append(source_.substr(own->number_end, own->end - own->number_end));
+    return;
+  }
+  if (slot < kAxes) {
+    const bool small = block.words > 0 && source_[block.word[block.order[0]].text] >= 'a';
+    out_.text += static_cast<char>(small ? letters_[slot] - 'A' + 'a' : letters_[slot]);
+    append_number_in(value, block.style[slot]);
+  } else {
+    out_.text.append(text_.direction[slot - kAxes]);
+    append_number_in(value, {});
+  }
+}
+
+void ChunkWriter::append_feed(const MotionBlock& block, const NewFeed& feed, bool blank) {
   if (blank && block.blank_before_words) out_.text += ' ';
-  out_.text += 'F';
-  append_number(out_.text, value, block.feed_word ? block.feed_word->style : NumberStyle{});
+  out_.text += feed.timed && text_.time_in_seconds ? "FT" : "F";
+  NumberStyle style = block.has_feed_word() ? block.feed_word.style : NumberStyle{};
+  style.plus = false;
+  append_number(out_.text, *feed.word, style);
+}
+
+/// The usual block: a few numbers change, words are added behind the last.
+void ChunkWriter::rewrite_numbers(const MotionBlock& block, const NewWords& words) {
+  // Vectors stand before or behind the axes; the general way puts them in order.
+  if (block.words == 0 || (block.extras && block.extras->direction)) return rewrite(block, words, {});
+  std::uint32_t last_word = block.begin;
+  for (std::size_t i = 0; i < block.words; ++i) {
+    const std::size_t axis = block.order[i];
+    const WordPlace& word = block.word[axis];
+    last_word = word.end;
+    if (words[axis] && !same(*words[axis], word.value)) replace_number(word, *words[axis]);
+  }
+  bool add = false;
+  for (std::size_t i = 0; i < kWords; ++i) add |= words[i] && (i >= kAxes || !holds(block.programmed, i));
+  if (!add) return;
+  copy_to(last_word);
+  add_words(block, words, {}, false);
+}
+
+/// Words that the block has not, or all.
+void ChunkWriter::add_words(const MotionBlock& block, const NewWords& words, const NewFeed& feed, bool all) {
+  bool blank = all ? text_.function_in_every_block : block.blank_before_words;
+  for (std::size_t i = 0; i < kWords; ++i) {
+    if (!words[i] || (!all && word_of(block, i) != nullptr)) continue;
+    append_word(block, i, *words[i], blank);
+    if (!all) ++out_.counts.added_words;
+    blank = block.blank_before_words;
+  }
+  if (feed.word && (all || !block.has_feed_word())) append_feed(block, feed, true);
+}
+
+/// The code of a straight move or an arc, written as the block writes its own: G1, G01, g1.
+std::string ChunkWriter::arc_code(const MotionBlock& block, char digit) const {
+  if (text_.function_in_every_block && digit == '1') return std::string(text_.line_code);
+  if (digit != '1' && !block.extras->arc_name.empty()) return std::string(block.extras->arc_name);
+  const std::string_view own = source_.substr(block.motion_word.text, block.motion_word.end - block.motion_word.text);
+  const bool plain = own.size() >= 2 && own[1] >= '0' && own[1] <= '9';
+  const char letter = plain ? own[0] : 'G';
+  return std::string(1, letter) + (plain && own.size() == 3 && own[1] == '0' ? "0" : "") + digit;
 }
 
 void ChunkWriter::rewrite(const MotionBlock& block, const NewWords& words, const NewFeed& feed) {
   struct Edit {
-    const WordPlace* word;
-    std::optional<Decimal> value;  // none: the word goes
+    std::uint32_t text, number, number_end, end;  // of the word
+    std::optional<Decimal> value;                 // its new number; none: `whole` stands in its place
+    NumberStyle style;
+    std::string whole;  // empty: the word goes
+    bool axis = true;   // its number is a coordinate
   };
-  std::array<Edit, kAxes + 8> edits{};
-  std::size_t count = 0;
+  std::vector<Edit> edits;
   std::uint32_t first_word = block.end, last_word = block.begin;
+  const auto number = [&](const WordPlace& word, Decimal value, NumberStyle style) {
+    edits.push_back({word.text, word.number, word.number_end, word.end, value, style, {}});
+  };
+  const auto replace = [&](std::uint32_t text, std::uint32_t end, std::string whole) {
+    edits.push_back({text, text, end, end, std::nullopt, {}, std::move(whole)});
+  };
   const auto anchor = [&](const WordPlace& word) {
     first_word = std::min(first_word, word.text);
     last_word = std::max(last_word, word.end);
   };
-  for (std::size_t i = 0; i < block.words; ++i) {
-    const std::size_t axis = block.order[i];
-    anchor(block.word[axis]);
-    if (words[axis] && !same(*words[axis], block.word[axis].number)) {
-      edits[count++] = {&block.word[axis], words[axis]};
+  for (std::size_t i = 0; i < kWords; ++i) {
+    if (i >= kAxes && !block.extras) break;
+    const WordPlace* word = word_of(block, i);
+    if (word == nullptr) continue;
+    anchor(*word);
+    if (words[i] && !same(*words[i], word->value)) {
+      number(*word, *words[i], word->style);
       ++out_.counts.changed_words;
     }
   }
-  for (std::size_t i = 0; i < block.arc_words; ++i) {
-    anchor(block.arc_word[i]);
-    if (feed.lines_for_arc) {
-      edits[count++] = {&block.arc_word[i], std::nullopt};
-      ++out_.counts.changed_words;
+  if (block.extras)
+    for (const ArcWord& own : block.extras->arc_word) {
+      anchor(own.word);
+      if (feed.lines_for_arc) {
+        replace(own.word.text, own.word.end, {});
+        ++out_.counts.changed_words;
+      } else if (own.tells != ArcWord::Tells::nothing_moved) {
+        Decimal by = rounded(feed.centre_mm[own.axis] / block.unit_mm, block.decimals[own.axis]);
+        const Ticks before = ticks_before(block);
+        if (own.tells == ArcWord::Tells::centre_from_begin) by = by - before[own.axis];
+        if (by.mantissa == 0) continue;
+        number(own.word, own.word.value + by, own.word.style);
+        ++out_.counts.changed_words;
+      }
+    }
+  if (feed.word && block.has_feed_word()) {
+    if (feed.timed && text_.time_in_seconds) {
+      std::string time = "FT";
+      append_number(time, *feed.word, {});
+      replace(block.feed_word.text, block.feed_word.end, time);
+    } else {
+      number(block.feed_word, *feed.word, block.feed_word.style);
+      edits.back().axis = false;
     }
   }
-  if (feed.word && block.feed_word) edits[count++] = {&*block.feed_word, feed.word};
-  if (feed.inverse_time_meanwhile && block.feed_mode_word) edits[count++] = {&*block.feed_mode_word, Decimal{93, 0}};
-  if (feed.arc_code != 0 && block.motion_word) edits[count++] = {&*block.motion_word, Decimal{feed.arc_code, 0}};
+  const bool mode_word = block.extras && block.extras->feed_mode_word.stands();
+  const bool reciprocal = feed.timed && !text_.time_in_seconds;
+  if (reciprocal && mode_word) replace(block.extras->feed_mode_word.text, block.extras->feed_mode_word.end, "G93");
+  const std::string code = feed.arc_code == 0 ? "" : arc_code(block, feed.arc_code);
+  if (!code.empty() && block.motion_word.stands()) replace(block.motion_word.text, block.motion_word.end, code);
 
   // Words to be added stand behind the last word of the move, codes before the first.
-  const bool add_mode = feed.inverse_time_meanwhile && !block.feed_mode_word;
-  const bool add_code = feed.arc_code != 0 && !block.motion_word;
-  bool add = feed.word && !block.feed_word;
-  for (std::size_t i = 0; i < kAxes; ++i) add |= words[i] && !holds(block.programmed, i);
-  std::sort(edits.begin(), edits.begin() + static_cast<std::ptrdiff_t>(count),
-            [](const Edit& a, const Edit& b) { return a.word->text < b.word->text; });
+  const bool add_mode = reciprocal && !mode_word;
+  const bool add_code = !code.empty() && !block.motion_word.stands();
+  bool add = feed.word && !block.has_feed_word();
+  for (std::size_t i = 0; i < kWords; ++i) add |= words[i] && word_of(block, i) == nullptr;
+  std::ranges::sort(edits, {}, &Edit::text);
+  if (last_word == block.begin) first_word = last_word = std::max(block.motion_word.end, block.begin);
 
   std::size_t next = 0;
   const auto edit_before = [&](std::uint32_t place) {
-    for (; next < count && edits[next].word->text < place; ++next) {
-      const WordPlace& word = *edits[next].word;
-      if (edits[next].value) {
-        std::uint32_t number = word.text + 1;
-        while (source_[number] == ' ' || source_[number] == '\t') ++number;
-        copy_to(number);
-        append_number(out_.text, *edits[next].value, word.style);
-      } else {
-        copy_to(word.text);
-        while (out_.text.ends_with(' ') || out_.text.ends_with('\t')) out_.text.pop_back();
+    for (; next < edits.size() && edits[next].text < place; ++next) {
+      const Edit& edit = edits[next];
+      if (edit.value) {
+        copy_to(edit.number);
+        edit.axis ? append_number_in(*edit.value, edit.style) : append_number(out_.text, *edit.value, edit.style);
+        copied_ = edit.number_end;
+        continue;
       }
-      copied_ = word.end;
+      copy_to(edit.text);
+      if (edit.whole.empty())
+        while (out_.text.ends_with(' ') || out_.text.ends_with('\t')) out_.text.pop_back();
+      out_.text += edit.whole;
+      copied_ = edit.end;
     }
   };
   if (add_mode || add_code) {
@@ -520,15 +763,13 @@ void ChunkWriter::rewrite(const MotionBlock& block, const NewWords& words, const
     copy_to(first_word);
     const std::string_view apart = block.blank_before_words ? " " : "";
     if (add_mode) out_.text.append("G93").append(apart);
-    if (add_code) out_.text.append("G").append(std::to_string(feed.arc_code)).append(apart);
+    if (add_code) out_.text.append(code).append(apart);
     out_.counts.added_words += add_code;
   }
   if (add) {
     edit_before(last_word);
-    copy_to(last_word);
-    for (std::size_t i = 0; i < kAxes; ++i)
-      if (words[i] && !holds(block.programmed, i)) append_word(block, i, *words[i], block.blank_before_words);
-    if (feed.word && !block.feed_word) append_feed(block, *feed.word, true);
+    copy_to(std::max(last_word, copied_));
+    add_words(block, words, feed, false);
   }
   edit_before(block.end);
 }
@@ -538,20 +779,30 @@ void ChunkWriter::end_line(const MotionBlock& block) {
   if (line_end(source_.substr(block.begin, block.end - block.begin)).empty()) out_.text += '\n';
 }
 
+/// Where every block names its function: the number of the block and the function.
+void ChunkWriter::append_block_begin(const MotionBlock& block) {
+  if (!text_.function_in_every_block) return;
+  const std::uint32_t function = block.motion_word.text;
+  out_.text.append(source_.substr(block.begin, function - block.begin));
+  const std::string_view own = source_.substr(function, block.motion_word.end - function);
+  out_.text.append(block.arc() != nullptr ? text_.line_code : own);
+}
+
 void ChunkWriter::insert(const MotionBlock& block, const NewWords& words, const NewFeed& feed) {
-  bool blank = false;
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    if (!words[i]) continue;
-    append_word(block, i, *words[i], blank);
-    blank = block.blank_before_words;
-  }
-  out_.counts.added_words -=
-      static_cast<std::uint64_t>(std::ranges::count_if(words, [](const auto& w) { return w.has_value(); }));
-  if (feed.word) append_feed(block, *feed.word, true);
+  append_block_begin(block);
+  add_words(block, words, feed, true);
   insert_line_end(block);
 }
 
 void ChunkWriter::restore_feed(const MotionBlock& block) {
+  if (text_.time_in_seconds) {
+    // FT holds for its block; an F that the block said is said again for those that follow.
+    if (!block.has_feed_word()) return;
+    append_block_begin(block);
+    out_.text += ' ';
+    append_feed(block, {.word = feed_decimal(block.feed)}, false);
+    return insert_line_end(block);
+  }
   // F counts in the units of the block that says it, as mm for X Y Z and as degrees for the rotary axes.
   const bool other_unit = block.feed_unit_mm != block.unit_mm;
   if (other_unit) {
@@ -559,7 +810,7 @@ void ChunkWriter::restore_feed(const MotionBlock& block) {
     insert_line_end(block);
   }
   out_.text += "G94";
-  append_feed(block, feed_decimal(block.feed), true);
+  append_feed(block, {.word = feed_decimal(block.feed)}, true);
   insert_line_end(block);
   if (other_unit) {
     out_.text += block.unit_mm == 1 ? "G21" : "G20";
@@ -569,6 +820,8 @@ void ChunkWriter::restore_feed(const MotionBlock& block) {
 
 void ChunkWriter::insert_line_end(const MotionBlock& block) {
   const std::string_view end = line_end(source_.substr(block.begin, block.end - block.begin));
+  if (text_.semicolon_ends_block && source_.substr(block.begin, block.end - block.begin).find(';') != std::string::npos)
+    out_.text += ';';
   out_.text += end.empty() ? "\n" : end;
   ++out_.counts.inserted_blocks;
   if (out_.inserted.empty() || out_.inserted.back().line != block.line) out_.inserted.push_back({block.line, 0});

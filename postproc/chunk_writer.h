@@ -5,6 +5,7 @@
 
 #include "kinematics/machine.h"
 #include "postproc/correction.h"
+#include "postproc/dialect.h"
 #include "postproc/motion.h"
 
 namespace trunnion {
@@ -62,16 +63,24 @@ class ChunkWriter {
  public:
   /// The correctors for blocks with tool-centre-point control and without must outlive it.
   ChunkWriter(const Corrector& with_tcp, const Corrector& without_tcp, CorrectionGuard guard,
-              std::array<char, kAxes> letters, bool keep_going)
-      : with_tcp_(with_tcp), without_tcp_(without_tcp), guard_(guard), letters_(letters), keep_going_(keep_going) {}
+              std::array<char, kAxes> letters, DialectText text, bool keep_going)
+      : with_tcp_(with_tcp),
+        without_tcp_(without_tcp),
+        guard_(guard),
+        letters_(letters),
+        text_(text),
+        keep_going_(keep_going) {}
 
   /// The text of the chunk, corrected. Stops at the first block it refuses unless it is to keep going; then the block
   /// is copied.
   CorrectedChunk write(std::string_view text, const ScannedChunk& scanned);
 
  private:
+  using Vector3 = Eigen::Vector3d;
   using Ticks = std::array<Decimal, kAxes>;  // a correction in program units, rounded as it is written
-  using NewWords = std::array<std::optional<Decimal>, kAxes>;
+  /// The words of one block as written: the five axes, then the three of a tool axis told as a vector.
+  static constexpr std::size_t kWords = kAxes + 3;
+  using NewWords = std::array<std::optional<Decimal>, kWords>;
 
   /// The correction of one place.
   struct Solution {
@@ -81,34 +90,46 @@ class ChunkWriter {
     Corrector::Linear linear;
     Angle residual;
   };
-  /// One block of what is written for a programmed one.
-  struct Piece {
-    Solution end;
-    NewWords words;
-  };
-  /// What else of a block changes: it keeps the duration of a block that a correction would change.
+  /// What else of a block changes.
   struct NewFeed {
-    std::optional<Decimal> word;          // F of every piece
-    bool inverse_time_meanwhile = false;  // G93, and G94 with the old F behind it
-    bool lines_for_arc = false;           // I J K R P go
-    int arc_code = 0;                     // G1, G2 or G3 to stand in the block
+    std::optional<Decimal> word;          // F of every piece, or their time: it keeps the duration of a block
+    bool timed = false;                   // the word is told as time; the old feed mode comes back behind the block
+    bool lines_for_arc = false;           // the words of the arc go
+    char arc_code = 0;                    // '1', '2' or '3' to stand in the block
+    Vector3 centre_mm = Vector3::Zero();  // an arc that stays one is moved by this
   };
   /// The ends of the pieces into which a block is divided.
   struct Way {
     std::vector<Solution> ends;
-    bool arc = false;  // it stays an arc
     bool within_tolerance = true;
+  };
+  /// The state of a block's pieces while they are put into words.
+  struct Pen {
+    Ticks before{};                      // what the axes stood corrected by
+    Ticks last{};                        // and behind the last piece
+    const AxisValues* last_place;        // programmed
+    bool lines = false;                  // a bent way that becomes lines: axes without words move as well
+    std::array<Decimal, kAxes> moved{};  // what incremental words have said so far
   };
 
   const Corrector& corrector(const MotionBlock& block) const { return block.tcp ? with_tcp_ : without_tcp_; }
-  Solution solve(const MotionBlock& block, const AxisValues& at) const;
+  Commanded commanded(const MotionBlock& block, const AxisValues& at) const;
+  AxisValues place_between(const MotionBlock& block, const AxisValues& from, const AxisValues& to, double s) const;
+  AxisValues on_way(const MotionBlock& block, double s) const;
+  Commanded sent_between(const MotionBlock& block, const Commanded& from, const Commanded& to, double s) const;
+  bool turns(const MotionBlock& block) const;
+  void solve(const MotionBlock& block, const AxisValues& at, Solution& solution) const;
+  Solution solved(const MotionBlock& block, const AxisValues& at) const;
   void check(const AxisValues& at, const Solution& solution) const;
+  double tilt_left_rad(const MotionBlock& block, const Commanded& wanted, const Commanded& sent) const;
   bool holds_between(const MotionBlock& block, const Solution& from, double from_part, const Solution& to,
                      double to_part, double& tip_mm, double& tilt_rad) const;
-  bool stays_an_arc(const MotionBlock& block, const Solution& begin, const Solution& end) const;
-  bool bends_less(const MotionBlock& block, const Solution& begin, const Solution& end) const;
+  std::optional<Vector3> moved_arc(const MotionBlock& block, const Ticks& before, const Solution& end) const;
+  bool is_short(const MotionBlock& block) const;
   Way way(const MotionBlock& block, const Solution& end) const;
-  std::vector<Piece> pieces(const MotionBlock& block, const std::vector<Solution>& way, const Ticks& before) const;
+  NewWords words(const MotionBlock& block, const Solution& end, bool final, Pen& pen) const;
+  void direction_words(const MotionBlock& block, const Solution& end, bool final, const Pen& pen,
+                       NewWords& words) const;
   NewFeed new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after, std::size_t pieces) const;
   Ticks ticks_before(const MotionBlock& block) const;
   void correct(const MotionBlock& block);
@@ -116,9 +137,16 @@ class ChunkWriter {
   void count(const Solution& solution);
 
   void rewrite(const MotionBlock& block, const NewWords& words, const NewFeed& feed);
+  void rewrite_numbers(const MotionBlock& block, const NewWords& words);
+  void replace_number(const WordPlace& word, Decimal value);
+  void add_words(const MotionBlock& block, const NewWords& words, const NewFeed& feed, bool all);
   void insert(const MotionBlock& block, const NewWords& words, const NewFeed& feed);
-  void append_word(const MotionBlock& block, std::size_t axis, Decimal value, bool blank);
-  void append_feed(const MotionBlock& block, Decimal value, bool blank);
+  void append_word(const MotionBlock& block, std::size_t slot, Decimal value, bool blank);
+  void append_number_in(Decimal number, NumberStyle style);
+  void append_feed(const MotionBlock& block, const NewFeed& feed, bool blank);
+  void append_block_begin(const MotionBlock& block);
+  const WordPlace* word_of(const MotionBlock& block, std::size_t slot) const;
+  std::string arc_code(const MotionBlock& block, char digit) const;
   void copy_to(std::uint32_t place);
   void end_line(const MotionBlock& block);
   void restore_feed(const MotionBlock& block);
@@ -128,6 +156,7 @@ class ChunkWriter {
   const Corrector& without_tcp_;
   CorrectionGuard guard_;
   std::array<char, kAxes> letters_;
+  DialectText text_;
   bool keep_going_;
 
   std::string_view source_;
@@ -136,7 +165,7 @@ class ChunkWriter {
   Ticks ticks_{};  // what the axes stand corrected by
   double ticks_unit_mm_ = 1;
   std::optional<Solution> last_;  // of the block before
-  bool lines_since_arc_ = false;  // the block before was an arc and left G1 in force
+  bool lines_since_arc_ = false;  // the block before was an arc and left a straight move in force
 };
 
 }  // namespace trunnion

@@ -1,14 +1,17 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "postproc/block.h"
+#include "kinematics/kinematic_chain.h"
+#include "postproc/number.h"
 
 namespace trunnion {
 
@@ -22,29 +25,76 @@ using AxisValues = std::array<double, kAxes>;
 /// Which of the five axes: bit i for axis i.
 using AxisSet = std::uint8_t;
 inline constexpr AxisSet kAllAxes = 0b11111;
+inline constexpr AxisSet kLinearAxes = 0b00111;
+inline constexpr AxisSet kRotaryAxes = 0b11000;
 constexpr bool holds(AxisSet set, std::size_t axis) { return (set >> axis & 1) != 0; }
 constexpr AxisSet only(std::size_t axis) { return static_cast<AxisSet>(1u << axis); }
 
-/// A word of the text, by its bytes.
+/// A word of the text, by its bytes, X=IC(2), IY+3.
 struct WordPlace {
-  std::uint32_t text = 0;  ///< its letter
-  std::uint32_t end = 0;
-  Decimal number;
+  std::uint32_t text = 0;    ///< its first letter
+  std::uint32_t number = 0;  ///< first byte of its number
+  std::uint32_t number_end = 0;
+  std::uint32_t end = 0;  ///< behind the word
+  Decimal value;
   NumberStyle style;
 };
 
 enum class BlockKind : std::uint8_t {
-  rapid,         ///< G0: corrected at its end
-  feed,          ///< G1, or an arc: corrected along its way
+  rapid,         ///< corrected at its end
+  feed,          ///< a line or an arc: corrected along its way
   set_position,  ///< G92: the words say where the machine stands, and it stands corrected
 };
 enum class FeedMode : std::uint8_t { per_minute, inverse_time, per_revolution };
 
-/// The circular part of a move: two axes turn about a centre, the third and the rotary axes go along in proportion.
+/// The circular part of a move, in mm of the program's frame: after the part s of the way the tip is at
+///   centre + (1 + s growth) (cos(s sweep) along + sin(s sweep) across) + s rise,
+/// the rotary axes in proportion.
 struct Arc {
-  std::uint8_t first = 0, second = 1;          ///< axes of the plane, from first to second is positive
-  double centre_first = 0, centre_second = 0;  ///< mm, zero included
-  double sweep_rad = 0;                        ///< signed, whole turns included
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();   ///< from the centre to the begin
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< a quarter turn further, as long
+  Eigen::Vector3d rise = Eigen::Vector3d::Zero();
+  double sweep_rad = 0;  ///< signed, whole turns included
+  double growth = 0;     ///< of the radius from begin to end: what the program's rounding leaves
+};
+
+/// Where X Y Z of a program stand when they are not parallel to the axes of W or R: p = origin + rotation XYZ.
+struct ProgramFrame {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();
+};
+
+/// A word that makes an arc of its block: it goes where the arc becomes lines, and follows where the arc is moved.
+struct ArcWord {
+  WordPlace word;
+  enum class Tells : std::uint8_t {
+    nothing_moved,  ///< a radius, turns, a sense; a point told from the begin
+    centre,         ///< of `axis`, from the program's zero
+    centre_from_begin,
+    point,  ///< a place of `axis` that is corrected like the end
+  } tells = Tells::nothing_moved;
+  std::uint8_t axis = 0;
+};
+
+/// A word by its bytes alone.
+struct TextPlace {
+  std::uint32_t text = 0, end = 0;
+  bool stands() const { return end != 0; }
+};
+
+/// What few blocks have.
+struct BlockExtras {
+  std::optional<Arc> arc;
+  std::string_view arc_name;          ///< its code where it is neither G2 nor G3
+  bool arc_movable = false;           ///< the block itself says where it is
+  std::vector<ArcWord> arc_word;      ///< I J K R P CR= DR- ...
+  TextPlace feed_mode_word;           ///< G93, G94 or G95 where the block says it
+  std::optional<ProgramFrame> frame;  ///< in W with tcp, else in R
+  /// The tool axis told as a vector: its words, in the program's frame.
+  std::optional<std::array<WordPlace, 3>> direction;
+  std::string_view undividable;      ///< what would be lost if the block were divided
+  bool direction_in_effect = false;  ///< the program tells the tool axis by vectors; this block need not
 };
 
 /// A block whose words a correction may change, as the serial scan of a program found it; nothing else of the text
@@ -54,34 +104,39 @@ struct MotionBlock {
   std::uint32_t begin = 0;  ///< first byte of its line
   std::uint32_t end = 0;    ///< behind its line end
   BlockKind kind = BlockKind::rapid;
-  bool incremental = false;
-  bool tcp = true;                          ///< X Y Z turn with the table
   AxisSet programmed = 0;                   ///< axes that have a word
+  AxisSet incremental = 0;                  ///< axes whose words count, or would count, from the place before
+  AxisSet wrapped = 0;                      ///< axes whose word says itself how it counts: X=IC(2), IX+2
+  AxisSet in_turn = 0;                      ///< rotary axes whose words are to stay within 0 ... 360 deg
   std::array<std::uint8_t, kAxes> order{};  ///< the programmed axes as they stand in the text
   std::uint8_t words = 0;                   ///< how many
-  std::array<WordPlace, kAxes> word{};      ///< by axis
-  AxisValues from{};                        ///< where the programmed path begins; holds if from_known
-  AxisValues target{};                      ///< where it ends: program value times unit plus zero
-  AxisValues zero{};                        ///< work offset and shifts, mm or deg
-  double unit_mm = 1;
+  bool tcp = true;                          ///< X Y Z turn with the table
+  bool straight_on_part = false;  ///< without tcp: between its ends the tip goes straight on the part all the same
+  bool cutter = false;            ///< cutter radius compensation is active
+  bool rotary_fixed = false;      ///< the control positions the rotary axes by itself: they get no words
   bool from_known = false;
+  bool blank_before_words = true;  ///< how words are set apart
+  bool stops = false;              ///< a program stop or end stands in the block
+  bool changes_modes = false;      ///< it says more than motion, feed and words: units, offsets, distance mode
   std::array<std::uint8_t, kAxes> decimals{};  ///< of what is written
   std::array<NumberStyle, kAxes> style{};      ///< of words that are added
-  bool blank_before_words = false;             ///< how words are set apart
   AxisSet raw_since = 0;  ///< axes that copied blocks have put elsewhere since the last corrected block
-  int tilt_sense = 1, turn_sense = 1;
+  std::int8_t tilt_sense = 1, turn_sense = 1;
   FeedMode feed_mode = FeedMode::per_minute;
-  std::optional<WordPlace> feed_word;
-  std::optional<WordPlace> feed_mode_word;  ///< G93, G94 or G95 where the block says it
-  double feed = 0;                          ///< as programmed, in the units of its own block; 0: not known
-  double feed_unit_mm = 1;                  ///< what that unit is
-  std::optional<Arc> arc;
-  bool arc_movable = false;              ///< its centre is told from its begin, or by a radius
-  std::optional<WordPlace> motion_word;  ///< G1, G2 ... where the block says it
-  std::array<WordPlace, 5> arc_word{};   ///< I J K R P
-  std::uint8_t arc_words = 0;
-  bool stops = false;          ///< an M0, M1, M2, M30 or M60 stands in the block
-  bool changes_modes = false;  ///< it says more than motion, feed and words: units, offsets, distance mode
+  double unit_mm = 1;
+  double feed = 0;                            ///< as programmed, in the units of its own block; 0: not known
+  double feed_unit_mm = 1;                    ///< what that unit is
+  std::array<WordPlace, kAxes> word{};        ///< by axis
+  WordPlace feed_word;                        ///< where the block says F: else its end is 0
+  TextPlace motion_word;                      ///< G1, G2, L, C ... where the block says it
+  AxisValues from{};                          ///< where the programmed path begins; holds if from_known
+  AxisValues target{};                        ///< where it ends: program value times unit plus zero
+  AxisValues zero{};                          ///< work offset and shifts, mm or deg
+  std::shared_ptr<const BlockExtras> extras;  ///< none for most
+
+  const Arc* arc() const { return extras && extras->arc ? &*extras->arc : nullptr; }
+  const ProgramFrame* frame() const { return extras && extras->frame ? &*extras->frame : nullptr; }
+  bool has_feed_word() const { return feed_word.end != 0; }
 };
 
 /// A block that must not be corrected, or cannot be: what stands there and why, for a person.
@@ -100,6 +155,15 @@ struct ScannedChunk {
   std::uint64_t copied_moves = 0;  ///< blocks that move while not all five axes are known
 };
 
+/// What programs of a control mean where that depends on the control's own parameters (machine file: [control]).
+struct ControlFacts {
+  /// Where the frame of tool-centre-point control stands: on the table as it lies at zero ("zero"), as it lies where
+  /// the control is switched on ("start"), or beside the table, not turning with it ("fixed").
+  std::string tcp_frame = "zero";
+  std::string whole_numbers = "ask";  ///< what X10 without a point is: "units", "increments", or refused: "ask"
+  std::string turn_path = "dialect";  ///< how an absolute C is reached: "shortest", "as written", the dialect's default
+};
+
 /// What a scan is told about program and machine.
 struct ScanSettings {
   std::array<char, kAxes> letters = {'X', 'Y', 'Z', 'A', 'C'};
@@ -107,7 +171,11 @@ struct ScanSettings {
   int decimals = 4;  ///< least decimals of what is written, mm and degrees; inches get two more
   bool tcp = true;   ///< forced, or what the machine file says where the program does not
   bool tcp_forced = false;
-  bool keep_going = false;  ///< copy refused blocks and go on
+  bool keep_going = false;                ///< copy refused blocks and go on
+  ControlFacts control;                   ///< what the machine file says of its control
+  bool modulo_turn = true;                ///< 0 and 360 deg of C are one place
+  const KinematicChain* chain = nullptr;  ///< for tool axes told as vectors and tilted planes; must outlive the scan
+  std::optional<std::pair<double, double>> tilt_stroke_deg;  ///< of the tilting axis
 };
 
 /// The serial pass over a program: follows the modal state of one dialect and tells which words a correction may
@@ -118,12 +186,6 @@ class ProgramScanner {
   /// Takes the next line, its line end included, which begins at byte `begin` of its chunk. False once a refusal or the
   /// settings ask for no more.
   virtual bool scan(std::string_view line, std::uint32_t begin, ScannedChunk& chunk) = 0;
-};
-
-/// How a dialect writes what a correction inserts.
-struct DialectText {
-  std::string_view comment_open = "(";
-  std::string_view comment_close = ")";
 };
 
 /// What a corrected program carries in its header comment; finding it again means: corrected already.

@@ -125,7 +125,7 @@ void append_number(std::string& text, Decimal number, const NumberStyle& style) 
   char* at = end;
   const bool zero = left == 0;
   for (int i = 0; i < decimals; ++i, left /= 10) *--at = static_cast<char>('0' + left % 10);
-  if (decimals > 0 || style.point) *--at = '.';
+  if (decimals > 0 || style.point) *--at = style.comma ? ',' : '.';
   int whole = 0;
   for (; left != 0; left /= 10, ++whole) *--at = static_cast<char>('0' + left % 10);
   const int wanted = std::max<int>(style.whole_digits, style.leading_zero || decimals == 0 ? 1 : 0);

@@ -22,6 +22,7 @@ struct NumberStyle {
   bool plus = false;              ///< a positive number carries its sign
   bool point = false;             ///< a point stands even where no decimals follow
   bool leading_zero = true;       ///< 0.5, not .5
+  bool comma = false;             ///< a comma stands for the point
   std::uint8_t decimals = 0;      ///< never fewer than these
   std::uint8_t whole_digits = 0;  ///< 007.5 has three: padded to as many; 0 where it was not padded
   friend bool operator==(const NumberStyle&, const NumberStyle&) = default;

@@ -30,13 +30,13 @@ struct PlayedPlace {
 };
 
 /// Where a program goes at feed, by the same plain reader: the ends of its moves and as many places between as keep two
-/// of them within `step_mm` and `step_deg`. Moves with an axis not yet known are passed over. Dialect linuxcnc.
+/// of them within `step_mm` and `step_deg`. Moves with an axis not yet known are passed over.
 std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSettings& settings, double step_mm,
-                                       double step_deg);
+                                       double step_deg, const std::string& dialect = "linuxcnc");
 
 /// Plays a program and its correction on the machine as the correctors' field tells it, by a second, plain reader that
 /// shares no code with the scan, and compares where the tool goes with where the nominal machine would have brought it.
-/// `correction` says only which lines were inserted. Dialect linuxcnc. Throws InputError where the two programs do not
+/// `correction` says only which lines were inserted. Throws InputError where the two programs do not
 /// belong together.
 PlaybackResult play_back(const OpenProgram& original, const OpenProgram& corrected, const Corrector& with_tcp,
                          const Corrector& without_tcp, const ProgramCorrection& how,

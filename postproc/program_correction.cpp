@@ -7,44 +7,24 @@
 #include <thread>
 
 #include "error.h"
-#include "postproc/dialects/linuxcnc.h"
+#include "postproc/block.h"
+#include "postproc/dialect.h"
 
 namespace trunnion {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 16;
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+constexpr std::size_t kHead = 512;             // the program's name and the like stand in its first chunk
 constexpr std::size_t kMostRefusals = 100000;  // told one by one
 
-std::unique_ptr<ProgramScanner> scanner(const ProgramCorrection& how) {
-  if (how.dialect == "linuxcnc") return linuxcnc_scanner(how.scan);
-  throw UsageError("dialect " + how.dialect + ": wanted one of linuxcnc");
-}
-
-std::string header_comment(const ProgramCorrection& how) {
-  std::string text = "(" + std::string(kCorrectedMark) + ": ";
-  for (const char c : how.header) {
+std::string header_comment(const DialectText& dialect, const std::string& header) {
+  std::string text = std::string(dialect.comment_open) + std::string(kCorrectedMark) + ": ";
+  for (const char c : header) {
     const bool plain = c >= 0x20 && c < 0x7f;
     text += !plain ? '?' : c == '(' ? '[' : c == ')' ? ']' : c == '%' || c == ';' ? ' ' : c;
   }
-  return text + ")";
-}
-
-/// Where the header comment goes: behind a first line that is a tape's %, and a program name (O...) behind it.
-std::size_t header_place(std::string_view text) {
-  std::size_t place = 0;
-  if (text.starts_with(kByteOrderMark)) place = kByteOrderMark.size();
-  for (std::size_t at = place; at < text.size();) {
-    const std::size_t length = line_length(text.substr(at));
-    const std::string_view line = text.substr(at, length);
-    const std::size_t first = line.find_first_not_of(std::string_view(" \t\r\n\0\x7f", 6));
-    at += length;
-    if (first == std::string_view::npos) continue;
-    if (line[first] != '%' && line[first] != 'O' && line[first] != 'o') break;
-    place = at;
-    if (line[first] != '%') break;
-  }
-  return place;
+  return text.append(dialect.comment_close);
 }
 
 /// A piece of the program that ends with a line.
@@ -63,15 +43,17 @@ class ChunkReader {
   bool next(std::string& text) {
     text.swap(rest_);
     rest_.clear();
+    const std::size_t wanted = first_ ? std::max(size_, kHead) : size_;
+    first_ = false;
     while (!at_end_) {
       const std::size_t had = text.size();
-      text.resize(had + size_);
-      const std::size_t got = read_(text.data() + had, size_);
+      text.resize(had + wanted);
+      const std::size_t got = read_(text.data() + had, wanted);
       text.resize(had + got);
       at_end_ = got == 0;
       if (at_end_) break;
       // Two bytes more must be there to tell LF from LF CR CR.
-      if (text.size() < size_ + 3) continue;
+      if (text.size() < wanted + 3) continue;
       const std::size_t newline = text.rfind('\n', text.size() - 4);
       if (newline == std::string::npos) {
         if (text.size() > kLongestLine + size_) break;  // the scan says so
@@ -89,7 +71,7 @@ class ChunkReader {
   ReadBytes read_;
   std::size_t size_;
   std::string rest_;
-  bool at_end_ = false;
+  bool at_end_ = false, first_ = true;
 };
 
 /// The work of correct_program: each worker takes the next chunk and scans it while it alone may read, corrects it on
@@ -97,13 +79,18 @@ class ChunkReader {
 class Pipeline {
  public:
   Pipeline(const OpenProgram& open, const WriteBytes& write, const ProgramCorrection& how)
-      : open_(open), write_(write), how_(how), reader_(open(), how.chunk_bytes), scanner_(scanner(how)) {}
+      : open_(open),
+        write_(write),
+        how_(how),
+        dialect_(dialect(how.dialect)),
+        reader_(open(), how.chunk_bytes),
+        scanner_(dialect_.scanner(how.scan)) {}
 
   ProgramCorrectionResult run(const Corrector& with_tcp, const Corrector& without_tcp) {
     const int workers = how_.scan.keep_going ? 1 : std::max(1, how_.threads);
     const auto work_through = [&] {
       try {
-        ChunkWriter writer(with_tcp, without_tcp, how_.guard, how_.scan.letters, how_.scan.keep_going);
+        ChunkWriter writer(with_tcp, without_tcp, how_.guard, how_.scan.letters, dialect_.text, how_.scan.keep_going);
         Chunk chunk;
         while (take(chunk)) {
           CorrectedChunk corrected;
@@ -202,14 +189,14 @@ class Pipeline {
   }
 
   void find_header_place(std::string_view text) {
-    header_place_ = header_place(text);
+    header_place_ = header_place(dialect_, text);
     const std::string_view before = text.substr(0, header_place_);
     header_line_ = 1 + static_cast<std::uint64_t>(std::count(before.begin(), before.end(), '\n'));
     const std::string_view end = line_end(text.substr(0, line_length(text)));
     header_end_ = end.empty() ? "\n" : end;
   }
 
-  void write_header() { write_(header_comment(how_) + header_end_); }
+  void write_header() { write_(header_comment(dialect_.text, how_.header) + header_end_); }
 
   /// The first `bytes` of the input, as they are, with the header unless it is the whole.
   void copy_input(std::uint64_t bytes) {
@@ -245,6 +232,7 @@ class Pipeline {
   const OpenProgram& open_;
   const WriteBytes& write_;
   const ProgramCorrection& how_;
+  const Dialect& dialect_;
 
   std::mutex read_mutex_;
   ChunkReader reader_;
@@ -267,11 +255,6 @@ class Pipeline {
 };
 
 }  // namespace
-
-const std::vector<std::string>& dialect_names() {
-  static const std::vector<std::string> names = {"linuxcnc"};
-  return names;
-}
 
 ProgramCorrectionResult correct_program(const OpenProgram& open, const WriteBytes& write, const Corrector& with_tcp,
                                         const Corrector& without_tcp, const ProgramCorrection& how) {

@@ -40,9 +40,6 @@ struct ProgramCorrectionResult {
   std::vector<Insertion> inserted;  ///< ascending; kept if `keep_insertions`
 };
 
-/// The dialects that can be corrected.
-const std::vector<std::string>& dialect_names();
-
 /// Writes the corrected program: chunks are scanned one after another, corrected on several threads and written in
 /// order, so that neither the result nor the memory depends on their number or the program's size. A program that needs
 /// no change is written as it is. Throws for the first block that is refused (RefusalError), out of range (RangeError)

@@ -22,6 +22,7 @@
 #include "io/provenance.h"
 #include "io/sha256.h"
 #include "io/text_file.h"
+#include "postproc/dialect.h"
 #include "postproc/model_field.h"
 #include "postproc/playback.h"
 #include "postproc/program_correction.h"
@@ -68,16 +69,24 @@ std::string dialect_of(const std::string& path, const Machine& machine) {
   std::string head(std::size_t{1} << 16, '\0');
   const ReadBytes read = program_file(path)();
   head.resize(read(head.data(), head.size()));
-  const auto holds = [&](std::string_view sign) { return head.find(sign) != std::string::npos; };
-  if (holds("BEGIN PGM")) return "heidenhain";
-  if (holds("TRAORI") || holds("TRAFOOF") || holds("A3=") || holds("MSG(\"")) return "sinumerik";
-  if (holds("G43.4") || holds("G43.5") || holds("G68.2")) return "fanuc";
-  if (machine.controller == "linuxcnc") return "linuxcnc";
-  if (machine.controller == "fanuc-30i") return "fanuc";
-  if (machine.controller == "sinumerik-840d") return "sinumerik";
-  if (machine.controller == "heidenhain") return "heidenhain";
+  if (const std::string_view told = told_dialect(head); !told.empty()) return std::string(told);
+  for (const std::string& name : dialect_names())
+    if (!machine.controller.empty() && dialect(name).controller == machine.controller) return name;
   throw UsageError(path +
                    ": its dialect is not told by the program nor by the machine's controller; --dialect is wanted");
+}
+
+/// What the machine file says of its control.
+ControlFacts control_facts(const Machine& machine) {
+  ControlFacts facts;
+  const auto take = [&](const std::string& key, std::string& fact) {
+    if (const auto found = machine.profile.find("control." + key); found != machine.profile.end())
+      fact = std::get<std::string>(found->second);
+  };
+  take("tcp_frame", facts.tcp_frame);
+  take("whole_numbers", facts.whole_numbers);
+  take("turn_path", facts.turn_path);
+  return facts;
 }
 
 double tool_length_mm(const Job& job, const KinematicChain& chain) {
@@ -153,7 +162,8 @@ nlohmann::json summary_json(const Options& o, const ProgramCorrection& how, cons
       {"version", 1},
       {"program", o.input},
       {"dialect", how.dialect},
-      {"tcp", how.scan.tcp ? "on" : "off"},
+      {"tcp",
+       how.scan.tcp_forced || !dialect(how.dialect).says_tcp ? (how.scan.tcp ? "on" : "off") : "as the program says"},
       {"orientation", o.only_position ? "off" : o.orientation},
       {"changed", c.changed()},
       {"lines", c.lines},
@@ -235,9 +245,6 @@ int run(const Options& o, const Talk& talk) {
 
   ProgramCorrection how;
   how.dialect = o.dialect.empty() ? dialect_of(o.input, machine) : o.dialect;
-  if (std::ranges::find(dialect_names(), how.dialect) == dialect_names().end())
-    throw UsageError(o.input + ": a " + how.dialect +
-                     " program; this version corrects dialect linuxcnc (--dialect, if it is one)");
   how.name = o.input;
   how.threads = o.threads;
   how.guard = guard_of(machine);
@@ -247,7 +254,11 @@ int run(const Options& o, const Talk& talk) {
   how.scan.decimals = o.decimals;
   how.scan.keep_going = o.keep_going;
   how.scan.tcp_forced = o.tcp != "auto";
-  how.scan.tcp = o.tcp == "auto" ? machine.tcp == "on" : o.tcp == "on";
+  how.scan.tcp = o.tcp == "on" || (o.tcp == "auto" && !dialect(how.dialect).says_tcp && machine.tcp == "on");
+  how.scan.control = control_facts(machine);
+  how.scan.modulo_turn = machine.turn().modulo;
+  how.scan.chain = &chain;
+  how.scan.tilt_stroke_deg = how.guard.stroke[kTilt];
   how.header = "model " + sha256_hex(model_bytes).substr(0, kHashDigits) + ", machine " + machine.name + ", serial " +
                machine.serial;
   how.keep_insertions = !o.report.empty();

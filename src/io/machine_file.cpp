@@ -36,6 +36,16 @@ void read_axis(TomlReader table, Axis& axis) {
   table.finish();
 }
 
+/// One text of a few; the first where none is said.
+std::string chosen(TomlReader& table, const std::string& key, const std::vector<std::string>& among) {
+  const std::string found = table.text(key).value_or(among.front());
+  if (std::ranges::find(among, found) != among.end()) return found;
+  std::string list;
+  for (std::size_t i = 0; i < among.size(); ++i)
+    list += (i == 0 ? "" : i + 1 == among.size() ? " or " : ", ") + ("\"" + among[i] + "\"");
+  table.fail(key, "\"" + found + "\" found, " + list + " is wanted");
+}
+
 void read_profile(TomlReader& table, const std::string& prefix, std::map<std::string, ProfileValue>& profile) {
   for (const std::string& key : table.keys()) {
     const toml::node& node = *table.node(key);
@@ -94,9 +104,11 @@ Machine parse_machine(std::string_view text, const std::string& name) {
     probe->finish();
   }
   if (auto control = top.table("control")) {
-    machine.tcp = control->text("tcp").value_or(machine.tcp);
-    if (machine.tcp != "on" && machine.tcp != "off")
-      control->fail("tcp", "\"" + machine.tcp + "\" found, \"on\" or \"off\" is wanted");
+    machine.tcp = chosen(*control, "tcp", {"on", "off"});
+    // What its programs mean is the affair of those who read them.
+    machine.profile["control.tcp_frame"] = chosen(*control, "tcp_frame", {"zero", "start", "fixed"});
+    machine.profile["control.whole_numbers"] = chosen(*control, "whole_numbers", {"ask", "units", "increments"});
+    machine.profile["control.turn_path"] = chosen(*control, "turn_path", {"dialect", "shortest", "as written"});
     control->finish();
   }
   if (auto limits = top.table("limits")) {

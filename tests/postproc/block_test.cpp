@@ -33,7 +33,7 @@ TEST(Tokens, OfAPlainBlock) {
   const auto tokens = tokenize("N10 g1 X-10.50Y.5 F1000 (rough) ; end\r\n");
   ASSERT_EQ(tokens.size(), 8u);
   EXPECT_EQ(tokens[1].letter, 'G');
-  EXPECT_EQ(tokens[2].number, (Decimal{-1050, 2}));
+  EXPECT_EQ(tokens[2].value, (Decimal{-1050, 2}));
   EXPECT_EQ(tokens[2].begin, 6u);
   EXPECT_EQ(tokens[2].text, 7u);
   EXPECT_EQ(tokens[3].letter, 'Y');

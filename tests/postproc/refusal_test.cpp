@@ -14,9 +14,12 @@ struct Refused {
 const Refused kRefused[] = {
     {"G5 X5 I2 J0 P1 Q1", "G5: splines are not corrected; post the program with lines"},
     {"G5.2 X5 Y1 P1 L3", "G5.2: splines are not corrected; post the program with lines"},
-    {"G41 D1 X5", "G41 or G42 is active: cutter radius compensation is not corrected; post the tool's centre path"},
-    {"G42.1 D3 G1 X5",
-     "G41 or G42 is active: cutter radius compensation is not corrected; post the tool's centre path"},
+    {"G41 D1 C20",
+     "G41 or G42 is active while a rotary axis moves: cutter radius compensation is not corrected there; post the "
+     "tool's centre path"},
+    {"G42.1 D3 G1 A-20",
+     "G41 or G42 is active while a rotary axis moves: cutter radius compensation is not corrected there; post the "
+     "tool's centre path"},
     {"G81 X1 Z-5 R2 F100", "G81: a canned cycle; post the program with its single moves"},
     {"G73 X1 Z-5 R2 Q1 F100", "G73: a canned cycle; post the program with its single moves"},
     {"G76 P1 Z-1 I1 J1 K1", "G76: a canned cycle; post the program with its single moves"},

@@ -109,6 +109,8 @@ TEST_F(Rs274, ReadsTheGoldenCases) {
   int read = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(TRUNNION_SOURCE_DIR) / "tests" / "golden")) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("nc_") && !name.ends_with("_linuxcnc")) continue;  // other dialects
     const std::filesystem::path file = entry.path() / "expected" / "out.nc";
     if (!std::filesystem::exists(file)) continue;
     std::stringstream text;
@@ -120,7 +122,7 @@ TEST_F(Rs274, ReadsTheGoldenCases) {
     EXPECT_EQ(error, "") << file;
     ++read;
   }
-  EXPECT_GT(read, 8);
+  EXPECT_GT(read, 12);
 }
 
 }  // namespace

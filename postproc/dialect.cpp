@@ -1,0 +1,109 @@
+#include "postproc/dialect.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "error.h"
+#include "postproc/block.h"
+#include "postproc/dialects/dialects.h"
+
+namespace trunnion {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+const Dialect kDialects[] = {
+    {"linuxcnc", {}, linuxcnc_scanner, false, "linuxcnc"},
+    {"fanuc",
+     {.semicolon_ends_block = true, .point_always = true, .feed_over_all_axes = true},
+     fanuc_scanner,
+     true,
+     "fanuc-30i"},
+    {"sinumerik",
+     {.comment_open = "; ", .comment_close = "", .direction = {"A3=", "B3=", "C3="}},
+     sinumerik_scanner,
+     true,
+     "sinumerik-840d"},
+    {"heidenhain",
+     {.comment_open = "; ",
+      .comment_close = "",
+      .line_code = "L",
+      .function_in_every_block = true,
+      .sign_always = true,
+      .time_in_seconds = true,
+      .direction = {"TX", "TY", "TZ"}},
+     heidenhain_scanner,
+     true,
+     "heidenhain"},
+};
+
+std::string upper_case(std::string_view text) {
+  std::string upper(text);
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return upper;
+}
+
+/// A line without blanks and tape marks before and behind.
+std::string_view bare(std::string_view line) {
+  constexpr std::string_view blanks(" \t\r\n\0\x7f", 6);
+  const std::size_t first = line.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return line.substr(first, line.find_last_not_of(blanks) + 1 - first);
+}
+
+/// Whether a comment may not stand before this line: it begins the program, or names it.
+bool opens_program(const Dialect& dialect, std::string_view line) {
+  const std::string text = upper_case(line.substr(0, 64));
+  if (dialect.text.function_in_every_block) return text.find("BEGIN PGM") != std::string::npos;
+  if (text[0] == '%') return true;
+  if (dialect.name == "sinumerik") return text.starts_with(";$PATH") || text.starts_with("PROC ");
+  return text[0] == 'O' || text[0] == ':' || text[0] == '<';
+}
+
+}  // namespace
+
+const Dialect& dialect(std::string_view name) {
+  for (const Dialect& one : kDialects)
+    if (one.name == name) return one;
+  std::string names;
+  for (const std::string& one : dialect_names()) names += (names.empty() ? "" : ", ") + one;
+  throw UsageError("dialect " + std::string(name) + ": wanted one of " + names);
+}
+
+const std::vector<std::string>& dialect_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Dialect& one : kDialects) all.emplace_back(one.name);
+    return all;
+  }();
+  return names;
+}
+
+std::string_view told_dialect(std::string_view head) {
+  const std::string text = upper_case(head);
+  const auto holds = [&](std::string_view sign) { return text.find(sign) != std::string::npos; };
+  if (holds("BEGIN PGM")) return "heidenhain";
+  for (const std::string_view sign :
+       {"TRAORI", "TRAFOOF", "A3=", "MSG(\"", "CYCLE800", "CYCLE832", "=AC(", "=IC(", "=DC("})
+    if (holds(sign)) return "sinumerik";
+  for (const std::string_view sign : {"G43.4", "G43.5", "G68.2", "G53.1", "G05.1", "G5.1 Q"})
+    if (holds(sign)) return "fanuc";
+  return "";
+}
+
+std::size_t header_place(const Dialect& dialect, std::string_view text) {
+  std::size_t place = 0;
+  if (text.starts_with(kByteOrderMark)) place = kByteOrderMark.size();
+  for (std::size_t at = place; at < text.size();) {
+    const std::size_t length = line_length(text.substr(at));
+    const std::string_view line = bare(text.substr(at, length));
+    at += length;
+    if (line.empty()) continue;
+    if (!opens_program(dialect, line)) break;
+    place = at;
+    if (line[0] != '%') break;
+  }
+  return place;
+}
+
+}  // namespace trunnion

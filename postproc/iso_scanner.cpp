@@ -1,0 +1,454 @@
+#include "postproc/iso_scanner.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trunnion {
+namespace {
+
+constexpr double kFastest = 1e9;
+
+int tenths(const Token& token) {
+  const Decimal n = token.value;
+  if (n.decimals == 0 && n.mantissa >= 0 && n.mantissa <= 999) return static_cast<int>(10 * n.mantissa);
+  const std::int64_t scale = power_of_ten(n.decimals);
+  if (n.mantissa < 0 || n.mantissa / scale > 999 || (n.mantissa % scale) * 10 % scale != 0)
+    bad(std::string(1, token.letter) + " code that does not exist");
+  return static_cast<int>(n.mantissa / scale * 10 + (n.mantissa % scale) * 10 / scale);
+}
+
+constexpr std::string_view kArcLetters = "IJKRP";
+
+}  // namespace
+
+std::string code_name(char letter, int tenths) {
+  std::string name = letter + std::to_string(tenths / 10);
+  if (tenths % 10 != 0) name += "." + std::to_string(tenths % 10);
+  return name;
+}
+
+IsoScanner::IsoScanner(const ScanSettings& settings, const IsoRules& rules, std::span<const CodeEntry> codes)
+    : state_(settings),
+      settings_(settings),
+      rules_(rules),
+      codes_(codes),
+      tokenize_(rules.syntax),
+      motion_(rules.first_motion) {
+  for (std::size_t i = 0; i < codes.size(); ++i)
+    index_[static_cast<std::size_t>(codes[i].tenths)] = static_cast<std::uint8_t>(i + 1);
+  axis_by_letter_.fill(-1);
+  for (std::size_t i = 0; i < kAxes; ++i)
+    axis_by_letter_[static_cast<std::size_t>(settings.letters[i] - 'A')] = static_cast<std::int8_t>(i);
+}
+
+std::optional<std::size_t> IsoScanner::axis_of(char letter) const {
+  if (letter < 'A' || letter > 'Z') return std::nullopt;
+  const std::int8_t axis = axis_by_letter_[static_cast<std::size_t>(letter - 'A')];
+  if (axis < 0) return std::nullopt;
+  return static_cast<std::size_t>(axis);
+}
+
+const CodeEntry* IsoScanner::entry(int tenths) const {
+  const std::uint8_t i = index_[static_cast<std::size_t>(tenths)];
+  return i == 0 ? nullptr : &codes_[i - 1u];
+}
+
+Code IsoScanner::code_of(int tenths) const {
+  const CodeEntry* found = entry(tenths);
+  return found == nullptr ? Code::unknown : found->code;
+}
+
+bool IsoScanner::arc_mode() const {
+  const Code code = code_of(motion_);
+  return code == Code::clockwise || code == Code::counter_clockwise;
+}
+
+WordPlace IsoScanner::place(const Token& token) const {
+  return {begin_ + token.text, begin_ + token.number, begin_ + token.number_end,
+          begin_ + token.end,  token.value,           token.style};
+}
+
+bool IsoScanner::scan(std::string_view line, std::uint32_t begin, ScannedChunk& chunk) {
+  ++line_;
+  ++chunk.lines;
+  if (ended_) return true;
+  begin_ = begin;
+  try {
+    const std::span<const Token> tokens = tokenize_(line);
+    if (tokens.front().kind == TokenKind::percent && !rules_.syntax.names) {
+      if (anything_ && !percent_) bad("% in a program that does not begin with one");
+      ended_ = percent_;
+      percent_ = anything_ = true;
+      return true;
+    }
+    current_ = line;
+    begin_block();
+    move_.clear();
+    move_.block.begin = begin;
+    move_.block.end = begin + static_cast<std::uint32_t>(line.size());
+    IsoWords words;
+    words.begin = begin;
+    collect(tokens, line, words);
+    execute(words, chunk);
+  } catch (const LineRefused& refused) {
+    chunk.refusals.push_back({line_, refused.reason, refused.kind});
+    state_.forget(kAllAxes);  // where the machine goes from here is not known
+    return settings_.keep_going && refused.kind == Refusal::Kind::refused;
+  }
+  return true;
+}
+
+// --- reading a block
+// --------------------------------------------------------------------------------------------------
+
+void IsoScanner::collect(std::span<const Token> tokens, std::string_view line, IsoWords& words) {
+  bool ended = false;
+  for (const Token& token : tokens) {
+    if (token.kind == TokenKind::line_end) {
+      ended = true;
+      continue;
+    }
+    anything_ = true;
+    if (words.rest_ignored && token.kind != TokenKind::comment) continue;
+    if (ended && token.kind != TokenKind::comment) bad("a second block behind ; on one line");
+    switch (token.kind) {
+      case TokenKind::word:
+        take_word(token, line, words);
+        break;
+      case TokenKind::expression:
+        take_expression(token, words);
+        break;
+      case TokenKind::parameter:
+        take_parameter(line.substr(token.text, token.end - token.text));
+        break;
+      case TokenKind::comment:
+        if (contains_mark(line.substr(token.text, token.end - token.text)))
+          refuse("this program has been corrected already; correct the original");
+        break;
+      case TokenKind::block_delete:
+        words.optional = true;
+        break;
+      case TokenKind::name:
+        take_name(line, token, words);
+        break;
+      case TokenKind::label:
+        break;
+      case TokenKind::percent:
+        if (rules_.syntax.names) break;
+        bad("% in a block; it stands on a line of its own");
+        break;
+      default: {
+        if (take_other(line.substr(token.text, token.end - token.text))) break;
+        std::string found(line.substr(token.text, std::min<std::size_t>(token.end - token.text, 16)));
+        for (char& c : found)
+          if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7e) c = '?';
+        if (found[0] == '(') bad("a comment that is not closed: " + found);
+        bad("'" + found + "' is no word of a block");
+      }
+    }
+  }
+}
+
+Decimal IsoScanner::value_of(const Token& token, std::size_t) const { return token.value; }
+
+void IsoScanner::take_axis(std::size_t axis, const Token& token) {
+  WordPlace word = place(token);
+  word.value = value_of(token, axis);
+  word.style.point |= word.value.decimals != token.value.decimals;
+  move_.add(axis, word, token.letter);
+  if (token.begin != 0) move_.block.blank_before_words = token.text > token.begin;
+}
+
+void IsoScanner::take_word(const Token& token, std::string_view line, IsoWords& words) {
+  if (token.letter == 0) return take_name(line, token, words);
+  if (token.value.decimals == 0 ? token.value.mantissa > 1000000 || token.value.mantissa < -1000000
+                                : std::abs(token.value.value()) > kFarthest)
+    if (rules_.letters_of_moves.find(token.letter) != std::string_view::npos)
+      bad(std::string(1, token.letter) + " is beyond 1000000");
+  if (const auto axis = axis_of(token.letter)) {
+    if (token.counting != Counting::modal) take_letter(token, words);
+    return take_axis(*axis, token);
+  }
+  switch (token.letter) {
+    case 'N':
+      break;
+    case 'G': {
+      if (words.g_count == words.g.size()) bad("more than 16 G codes in one block");
+      const int code = tenths(token);
+      const Code kind = code_of(code);
+      const TextPlace here{begin_ + token.text, begin_ + token.end};
+      if (kind == Code::rapid || kind == Code::line || kind == Code::clockwise || kind == Code::counter_clockwise)
+        move_.block.motion_word = here;
+      if (kind == Code::inverse_time || kind == Code::per_minute || kind == Code::per_revolution) {
+        move_.has_extras = true;
+        move_.extras.feed_mode_word = here;
+      }
+      words.g[words.g_count++] = code;
+      break;
+    }
+    case 'M': {
+      if (words.m_count == words.m.size()) bad("more than 8 M codes in one block");
+      const int code = tenths(token);
+      if (code % 10 != 0) bad(code_name('M', code) + ": an M code is a whole number");
+      words.m[words.m_count++] = code / 10;
+      break;
+    }
+    case 'F':
+      if (words.feed != nullptr) bad("F stands twice in one block");
+      if (token.value.mantissa < 0) bad("F is negative");
+      if (token.value.value() > kFastest) bad("F is beyond 1000000000");
+      words.feed = &token;
+      break;
+    case 'I':
+    case 'J':
+    case 'K':
+    case 'R':
+    case 'P': {
+      const Token*& found = words.arc[kArcLetters.find(token.letter)];
+      if (found != nullptr) bad(std::string(1, token.letter) + " stands twice in one block");
+      found = &token;
+      if (token.counting != Counting::modal) take_letter(token, words);
+      break;
+    }
+    case 'L':
+      words.offset_letter = true;
+      take_letter(token, words);
+      break;
+    case 'A':
+    case 'B':
+    case 'C':
+    case 'U':
+    case 'V':
+    case 'W':
+      refuse(std::string(1, token.letter) + ": this machine has no such axis");
+      break;
+    default:
+      if (rules_.harmless_letters.find(token.letter) == std::string_view::npos) take_letter(token, words);
+  }
+}
+
+void IsoScanner::take_letter(const Token& token, IsoWords&) {
+  if (rules_.harmless_letters.find(token.letter) == std::string_view::npos)
+    bad(std::string(1, token.letter) + " is no word of this dialect");
+}
+
+void IsoScanner::take_expression(const Token& token, IsoWords& words) {
+  const std::string letter(1, token.letter);
+  if (token.letter == 'F') {
+    words.feed_expression = true;
+  } else if (rules_.harmless_expressions.find(token.letter) == std::string_view::npos) {
+    if (axis_of(token.letter) || std::string_view("IJKRGMLUVWABC").find(token.letter) != std::string_view::npos)
+      refuse(letter + " is not followed by a plain number; variables and expressions in motion words are not computed");
+    bad(letter + " is no word of this dialect, or its number is missing or has more than 18 digits");
+  }
+}
+
+void IsoScanner::take_parameter(std::string_view) {}
+void IsoScanner::take_name(std::string_view, const Token&, IsoWords&) { bad("a name is no word of this dialect"); }
+void IsoScanner::begin_block() {}
+bool IsoScanner::take_other(std::string_view) { return false; }
+void IsoScanner::take_code(int, IsoWords&) {}
+bool IsoScanner::take_block(IsoWords&, ScannedChunk&) { return false; }
+
+// --- executing it, in the control's order
+// -----------------------------------------------------------------------------
+
+void IsoScanner::apply(int g, IsoWords& words) {
+  const CodeEntry* found = entry(g);
+  const Code code = found == nullptr ? Code::unknown : found->code;
+  switch (code) {
+    case Code::unknown:
+      refuse(code_name('G', g) + " is not known to dialect " + std::string(rules_.dialect));
+      break;
+    case Code::harmless:
+      break;
+    case Code::rapid:
+    case Code::line:
+    case Code::clockwise:
+    case Code::counter_clockwise:
+    case Code::no_motion:
+    case Code::other_motion:
+      if (words.motion >= 0) bad(code_name('G', words.motion) + " and " + code_name('G', g) + " in one block");
+      words.motion = g;
+      break;
+    case Code::plane_xy:
+      state_.plane = {0, 1, 2};
+      break;
+    case Code::plane_zx:
+      state_.plane = {2, 0, 1};
+      break;
+    case Code::plane_yz:
+      state_.plane = {1, 2, 0};
+      break;
+    case Code::inch:
+    case Code::metric: {
+      const double unit = code == Code::inch ? kInch_mm : 1;
+      words.changes_modes |= unit != state_.unit_mm;
+      state_.unit_mm = unit;
+      break;
+    }
+    case Code::cutter_on:
+      state_.cutter = "G41 or G42";
+      break;
+    case Code::cutter_off:
+      state_.cutter = {};
+      break;
+    case Code::tool_length:
+      tool_length_changed_ = words.changes_modes = true;
+      break;
+    case Code::work_offset:
+      state_.select_offset(code_name('G', g));
+      words.changes_modes = true;
+      break;
+    case Code::absolute:
+    case Code::incremental:
+      words.changes_modes |= state_.incremental != (code == Code::incremental);
+      state_.incremental = code == Code::incremental;
+      break;
+    case Code::inverse_time:
+      state_.feed_mode = FeedMode::inverse_time;
+      words.changes_modes = true;
+      break;
+    case Code::per_minute:
+      state_.feed_mode = FeedMode::per_minute;
+      words.changes_modes = true;
+      break;
+    case Code::per_revolution:
+      state_.feed_mode = FeedMode::per_revolution;
+      words.changes_modes = true;
+      break;
+    case Code::machine_coordinates:
+      words.machine_coordinates = true;
+      break;
+    case Code::dwell:
+      words.dwell = true;
+      break;
+    case Code::absolute_centre:
+      absolute_centre_ = true;
+      break;
+    case Code::relative_centre:
+      absolute_centre_ = false;
+      break;
+    case Code::refused:
+      refuse(code_name('G', g) + ": " + found->reason);
+      break;
+    case Code::special:
+      take_code(g, words);
+      break;
+    case Code::home:
+    case Code::alone:
+      if (words.alone >= 0) bad(code_name('G', words.alone) + " and " + code_name('G', g) + " in one block");
+      words.alone = g;
+      words.home = code == Code::home;
+      break;
+  }
+}
+
+void IsoScanner::execute(IsoWords& words, ScannedChunk& chunk) {
+  const double feed_unit_before = state_.unit_mm;
+  for (std::size_t i = 0; i < words.g_count; ++i) apply(words.g[i], words);
+  for (std::size_t i = 0; i < words.m_count; ++i) take_m(words.m[i], words);
+  if (!words.dwell && (words.feed != nullptr || words.feed_expression)) {
+    state_.feed = words.feed != nullptr ? words.feed->value.value() : 0;
+    state_.feed_unit_mm = feed_unit_before;
+    if (words.feed != nullptr) move_.block.feed_word = place(*words.feed);
+  }
+  if (words.tool_change) state_.forget(kAllAxes);
+  if (tool_length_changed_) {
+    state_.forget(only(2));
+    tool_length_changed_ = false;
+  }
+  if (words.motion >= 0) motion_ = words.motion;
+  if (words.alone >= 0 && words.optional && move_.block.words > 0)
+    refuse("/ before " + code_name('G', words.alone) + ": whether it runs is not known");
+  if (words.home) {
+    forget_words();
+    ++chunk.copied_moves;
+  } else if (words.alone >= 0) {
+    if (!take_block(words, chunk) && move_.block.words > 0)
+      refuse(code_name('G', words.alone) + " with axis words is not followed");
+  } else if (!take_block(words, chunk)) {
+    run_move(words, chunk);
+  }
+  if (words.ends) ended_ = true;
+}
+
+void IsoScanner::run_move(const IsoWords& words, ScannedChunk& chunk) {
+  const bool turns = move_.tool_axis.has_value();
+  if (move_.block.words == 0 && !turns && !(arc_mode() && (words.has_centre() || move_.arc.through))) {
+    if (words.motion < 0) return;
+    const Code code = code_of(words.motion);
+    if (code == Code::clockwise || code == Code::counter_clockwise)
+      bad(code_name('G', words.motion) + " without axis words");
+    if (code == Code::other_motion) refuse_motion(words.motion);
+    return;
+  }
+  if (words.optional) refuse("/ before a block that moves: whether it runs is not known");
+  const Code code = code_of(motion_);
+  if (words.machine_coordinates) {
+    if (code != Code::rapid && code != Code::line) refuse("G53 without G0 or G1");
+    forget_words();
+    ++chunk.copied_moves;
+    return;
+  }
+  if (code == Code::rapid) {
+    move_.kind = Move::Kind::rapid;
+  } else if (code == Code::line) {
+    move_.kind = Move::Kind::line;
+  } else if (arc_mode()) {
+    move_.kind = Move::Kind::arc;
+    if (words.dwell && words.arc[4] != nullptr && rules_.turns_letter == 'P')
+      bad("P in a block with an arc and G4 or G64 has two meanings");
+  } else {
+    refuse_motion(motion_);
+  }
+  if (move_.kind == Move::Kind::arc) {
+    move_.has_extras = true;
+    move_.arc.sense = code == Code::counter_clockwise ? 1 : -1;
+    tell_arc(words);
+  } else if (!turns && (words.has_centre() || words.arc[3] != nullptr)) {
+    bad("I, J, K or R in a block that is no arc");
+  }
+  move_.block.stops = words.stops;
+  move_.block.changes_modes = words.changes_modes || words.tool_change;
+  state_.move(move_, line_, chunk);
+}
+
+void IsoScanner::tell_arc(const IsoWords& words) {
+  ArcTold& told = move_.arc;
+  if (words.arc[state_.plane[2]] != nullptr) bad("an arc with a centre word that is not of its plane");
+  if (words.arc[3] != nullptr && words.has_centre()) bad("an arc with both a radius and a centre");
+  move_.extras.arc_movable = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Token* token = words.arc[i];
+    if (token == nullptr) continue;
+    const bool absolute = token->counting == Counting::modal ? absolute_centre_ : token->counting == Counting::absolute;
+    told.centre[i] = state_.unit_mm * value_of(*token, i).value();
+    if (absolute) told.centre_absolute |= only(i);
+    move_.extras.arc_word.push_back({place(*token),
+                                     absolute ? ArcWord::Tells::centre : ArcWord::Tells::centre_from_begin,
+                                     static_cast<std::uint8_t>(i)});
+  }
+  if (absolute_centre_) told.centre_absolute = kLinearAxes;
+  if (words.arc[3] != nullptr) {
+    told.radius_mm = state_.unit_mm * value_of(*words.arc[3], 0).value();
+    move_.extras.arc_word.push_back({place(*words.arc[3])});
+  }
+  if (words.arc[4] != nullptr && rules_.turns_letter == 'P') {
+    const double whole = words.arc[4]->value.value();
+    if (whole < 1 || whole > 1000 || whole != std::floor(whole))
+      bad("P of an arc is a whole number of turns, 1 or more");
+    told.turns = static_cast<int>(whole) - 1;
+    move_.extras.arc_word.push_back({place(*words.arc[4])});
+  }
+}
+
+void IsoScanner::forget_words() { state_.forget(move_.block.words > 0 ? move_.block.programmed : kAllAxes); }
+
+void IsoScanner::refuse_motion(int motion) const {
+  const CodeEntry* found = entry(motion);
+  if (found == nullptr || found->code == Code::no_motion) refuse("axis words without a motion code");
+  refuse(code_name('G', motion) + ": " + found->reason);
+}
+
+}  // namespace trunnion

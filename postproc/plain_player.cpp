@@ -1,0 +1,85 @@
+#include "postproc/plain_player.h"
+
+#include <cmath>
+
+namespace trunnion {
+
+using Eigen::Vector3d;
+
+bool PlayedMove::begins_known() const {
+  for (const double place : from)
+    if (std::isnan(place)) return false;
+  return true;
+}
+
+AxisValues PlayedMove::at(double s, const KinematicChain* chain) const {
+  AxisValues place = to;
+  Vector3d xyz(to[0], to[1], to[2]);
+  if (s < 1) {
+    for (std::size_t i = 0; i < kAxes; ++i) place[i] = from[i] + s * (to[i] - from[i]);
+    const Vector3d begin(from[0], from[1], from[2]);
+    xyz = begin + s * (xyz - begin);
+    if (arc) {
+      const Vector3d normal = along.cross(across).normalized();
+      const double angle = s * sweep_rad;
+      const Vector3d rise = normal * normal.dot(xyz - begin);
+      Vector3d arm = Vector3d(to[0], to[1], to[2]) - centre;
+      arm -= normal * normal.dot(arm);
+      // A radius that the ends tell differently grows on the way.
+      const double grown = 1 + s * (arm.norm() / along.norm() - 1);
+      xyz = centre + grown * (std::cos(angle) * along + std::sin(angle) * across) + rise;
+    } else if (straight_on_part) {
+      const auto w_from_r = [&](const AxisValues& a) {
+        return chain->r_from_w({Angle::degrees(a[kTilt]), Angle::degrees(a[kTurn])}).inverse();
+      };
+      const Vector3d on_begin = w_from_r(from) * begin, on_end = w_from_r(to) * Vector3d(to[0], to[1], to[2]);
+      xyz = w_from_r(place).inverse() * Vector3d(on_begin + s * (on_end - on_begin));
+    }
+  }
+  xyz = frame_origin_mm + frame * xyz;
+  for (std::size_t i = 0; i < 3; ++i) place[i] = xyz[static_cast<Eigen::Index>(i)];
+  return place;
+}
+
+std::array<double, 2> descended_to_axis(const ScanSettings& settings, const Vector3d& axis_w, double tilt_deg,
+                                        double turn_deg) {
+  const auto axis_at = [&](double tilt, double turn) {
+    const IndexedPosition at{Angle::degrees(tilt), Angle::degrees(turn)};
+    return Vector3d(settings.chain->r_from_w(at).linear().transpose() * settings.chain->r_from_t(at).linear().col(2));
+  };
+  constexpr double step = 1e-4;
+  const double near = std::isnan(turn_deg) ? 0 : turn_deg;
+  std::array<double, 2> best = {std::nan(""), std::nan("")};
+  double least = 1e300;
+  for (int i = 0; i < 60; ++i) {
+    double tilt = (i % 2 == 0 ? -1 : 1) * (5.0 + 15 * (i / 2 % 5)), turn = near + 60.0 * (i / 10);
+    if (i == 0 && !std::isnan(tilt_deg)) tilt = tilt_deg;
+    for (int k = 0; k < 60; ++k) {
+      const Vector3d miss = axis_at(tilt, turn) - axis_w;
+      if (miss.norm() < 1e-14) break;
+      const Vector3d by_tilt = (axis_at(tilt + step, turn) - axis_at(tilt - step, turn)) / (2 * step);
+      const Vector3d by_turn = (axis_at(tilt, turn + step) - axis_at(tilt, turn - step)) / (2 * step);
+      const double aa = by_tilt.dot(by_tilt), ac = by_tilt.dot(by_turn), cc = by_turn.dot(by_turn) + 1e-16;
+      const double det = aa * cc - ac * ac, ga = by_tilt.dot(miss), gc = by_turn.dot(miss);
+      if (!(std::abs(det) > 1e-30)) break;
+      tilt -= std::remainder((cc * ga - ac * gc) / det, 90);
+      turn -= std::remainder((aa * gc - ac * ga) / det, 90);
+    }
+    if ((axis_at(tilt, turn) - axis_w).norm() > 1e-9) continue;
+    tilt = std::remainder(tilt, 360);
+    turn += 360 * std::round((near - turn) / 360);
+    const auto& stroke = settings.tilt_stroke_deg;
+    if (stroke && (tilt < stroke->first - 1e-3 || tilt > stroke->second + 1e-3)) continue;
+    const double away = std::abs(turn - near) + (std::isnan(tilt_deg) ? 0 : std::abs(tilt - tilt_deg));
+    if (away >= least - 1e-6) continue;
+    least = away;
+    best = {tilt, turn};
+  }
+  return best;
+}
+
+std::unique_ptr<PlainPlayer> plain_player(const std::string& dialect, const ScanSettings& settings) {
+  return dialect == "heidenhain" ? plain_klartext_player(settings) : plain_iso_player(dialect, settings);
+}
+
+}  // namespace trunnion

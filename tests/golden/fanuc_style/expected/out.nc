@@ -1,0 +1,15 @@
+%;
+O1;
+(corrected by trunnion: model 7d1b17416727, machine Middle-size trunnion, serial 0001)
+G21 G90 G94;
+G54;
+T1 M6;
+G0 A-30. C20.;
+G43.4 H1 X30.0023 Y9.9973 Z60.0019 A-30.0007 C19.9999;
+N10 g1x31.5023y9.9973 z59.9019F0500.;
+N20  X+32.0023 Y 11.4973 Z59.902 (two);
+X32.5024 A-030.5007 C020.9999 Y11.4972;
+;
+M5;
+M30;
+%

@@ -1,0 +1,12 @@
+0 BEGIN PGM P MM
+; corrected by trunnion: model 7d1b17416727, machine Middle-size trunnion, serial 0001
+1 TOOL CALL 1 Z S5000
+2 L A-30 C+20 R0 FMAX
+3 M128
+4 L X+30.0023 Y+9.9973 Z+60.0019 A-30.0007 C+19.9999 FMAX
+5 L  X+31.5023 Y+10.4973   F500 ; feed
+6 * - a heading
+7 L Z+59.9019 R0 M8
+8 L X+32.0024 A-30.5007 C+20.9999 Y+10.4972 Z+59.902
+9 M30
+10 END PGM P MM

@@ -1,0 +1,10 @@
+; corrected by trunnion: model 7d1b17416727, machine Middle-size trunnion, serial 0001
+G710 G90 G500
+TRAORI
+G0 X30.0023 Y9.9974 Z60.0021 A=-30.0007 C=19.9999
+G1 X31.0023 F500
+G505
+X30.0022 Y9.9973 Z60.0021
+G55
+X30.0022
+M30

@@ -1,0 +1,10 @@
+; corrected by trunnion: model 7d1b17416727, machine Middle-size trunnion, serial 0001
+G710 G90 G94
+G54
+T1 D1
+M6
+TRAORI
+G0 X30.0023 Y9.9973 Z60.0019 A=-30 C=20
+G1 X31.0024 A=-31 C=22 Y9.9971 Z60.002 F500
+X32.0026 A=-32 C=25 Y9.9969 Z60.0021
+M30

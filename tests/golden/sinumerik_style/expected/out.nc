@@ -1,0 +1,13 @@
+; corrected by trunnion: model 7d1b17416727, machine Middle-size trunnion, serial 0001
+G710 G90 G94
+G54
+T1 D1
+M6
+TRAORI
+G0 X30.0023 Y9.9973 Z60.0019 A=-30.0007 C=19.9999
+START_1: N10 g1 X=31.5023 Y=AC(10.4973) Z=IC(-.0999) A=-30.0007 C = 20.9999 f=500 ; comment
+N20 MSG("G1 X5") x32.0023
+:30 Y10.9973
+/N35 MSG()
+N40 STOPRE
+M30
