@@ -36,7 +36,19 @@ std::vector<testing::PlayedMove> read_by_rs274(const std::string& program, std::
   error = well ? "" : "rs274: " + told.str();
   std::vector<testing::PlayedMove> moves;
   std::ifstream out(folder / "out");
+  std::size_t first = 0;  // axis of the plane
   for (std::string line; std::getline(out, line);) {
+    for (const char* plane : {"XY", "ZX", "XZ", "YZ"})
+      if (line.find(std::string("SELECT_PLANE(CANON_PLANE::") + plane) != std::string::npos ||
+          line.find(std::string("SELECT_PLANE(CANON_PLANE_") + plane) != std::string::npos)
+        first = plane[0] == 'X' && plane[1] == 'Y' ? 0 : plane[0] == 'Y' ? 1 : 2;
+    double c1 = 0, c2 = 0, turns = 0, b_axis = 0;
+    testing::PlayedMove arc;
+    if (line.find("ARC_FEED(") != std::string::npos &&
+        std::sscanf(line.c_str() + line.find('('), "(%lf, %lf, %lf, %lf, %lf, %lf, %lf, %lf, %lf)", &arc.at[first],
+                    &arc.at[(first + 1) % 3], &c1, &c2, &turns, &arc.at[(first + 2) % 3], &arc.at[3], &b_axis,
+                    &arc.at[4]) == 9)
+      moves.push_back(arc);
     const bool feed = line.find("STRAIGHT_FEED(") != std::string::npos;
     if (!feed && line.find("STRAIGHT_TRAVERSE(") == std::string::npos) continue;
     double b = 0;
