@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,7 @@
 #include "io/sha256.h"
 #include "io/text_file.h"
 #include "units/nearest_name.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -187,10 +189,58 @@ int drift(const Options& o, const Talk& talk) {
   return 0;
 }
 
-CLI::App* action(CLI::App& history, const std::string& name, const std::string& what) {
+/// What the location errors of one unit may have wandered by over `years`: no more than history contradicts.
+double wandered(const MachineHistory& h, Unit unit, double years) {
+  std::vector<ErrorSeries> alike;
+  for (const ErrorSeries& series : h.series.locations)
+    if (series.unit == unit) alike.push_back(series);
+  return to_unit(wandering_rate(alike, h.years).at_most, unit) * std::sqrt(years);
+}
+
+int prior(const Options& o, const Talk& talk) {
+  const MachineHistory h = history_of(o, talk);
+  if (h.models.size() < 2)
+    throw InputError(o.store, "two or more independent calibrations are wanted, to tell how fast the machine wanders");
+  const std::string date = wanted_date(o.date);
+  const double years = days_of(date) / kDaysPerYear - h.years.back();
+  if (years < 0)
+    throw UsageError("--date: " + short_date(date) + " is before the last calibration, " +
+                     short_date(h.calibrations.back().taken));
+  const double um = wandered(h, Unit::um, years), urad = wandered(h, Unit::urad, years);
+  Model model = h.models.back().model;
+  model.fit = std::make_shared<nlohmann::json>(nlohmann::json{{"method", "carried on from a history"},
+                                                              {"calibration", calibration_json(h.calibrations.back())},
+                                                              {"until", date},
+                                                              {"drift", {{"um", um}, {"urad", urad}}}});
+  write_whole(o.output, model_text(model), {o.store});
+  const std::string text = "calibration " + std::to_string(h.calibrations.back().id) + " of " +
+                           short_date(h.calibrations.back().taken) +
+                           formatted(", %.0f days before ", years * kDaysPerYear) + short_date(date) +
+                           formatted(": errors may have moved by %.2g um", um) +
+                           formatted(" and %.2g urad (1 sigma, not contradicted at 10 %%)\n", urad);
+  if (o.output != "-") {
+    if (talk.json) std::fputs(json_text((*model.fit)).c_str(), stdout);
+    talk.show(text);
+    talk.say("wrote " + o.output);
+  }
+  return 0;
+}
+
+/// A command of `history`, with the options that all of them have.
+CLI::App* action(CLI::App& history, const std::string& name, const std::string& what, Options& o) {
   CLI::App* app = history.add_subcommand(name, what);
-  app->fallthrough();
+  app->add_option("--store", o.store, "The history: an SQLite file, or postgresql://…")
+      ->required()
+      ->type_name("STORE")
+      ->group("Input");
   return app;
+}
+
+/// The machine, for commands that are about one of several.
+void add_serial(CLI::App* app, Options& o) {
+  app->add_option("--serial", o.serial, "The machine's serial number, where the store holds several")
+      ->type_name("TEXT")
+      ->group("Input");
 }
 
 }  // namespace
@@ -199,20 +249,13 @@ Command history_command(CLI::App& program, const Talk& talk) {
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("history", "Calibrations kept over time: list, compare, trend, drift");
   app->require_subcommand(1);
-  app->add_option("--store", o->store, "The history: an SQLite file, or postgresql://…")
-      ->required()
-      ->type_name("STORE")
-      ->group("Input");
-  app->add_option("--serial", o->serial, "The machine's serial number, where the store holds several")
-      ->type_name("TEXT")
-      ->group("Input");
   auto run = std::make_shared<Run>();
   const auto chosen = [run](CLI::App* sub, int (*act)(const Options&, const Talk&), std::shared_ptr<Options> options,
                             const Talk& to) {
     sub->callback([=, &to] { *run = [=, &to] { return act(*options, to); }; });
   };
 
-  CLI::App* sub = action(*app, "add", "Keep a model with what it was made from; the file is made if missing");
+  CLI::App* sub = action(*app, "add", "Keep a model with what it was made from; the file is made if missing", *o);
   sub->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
   sub->add_option("--model", o->model, "Model (JSON)")->required()->type_name("model.json")->group("Input");
   sub->add_option("--date", o->date, "When the readings were taken: 2026-03-01 or 2026-03-01T14:30:00Z")
@@ -226,28 +269,42 @@ Command history_command(CLI::App& program, const Talk& talk) {
   sub->add_option("--note", o->note, "A line of text to keep with it")->type_name("TEXT")->group("Input");
   chosen(sub, add, o, talk);
 
-  chosen(action(*app, "list", "What is kept, by serial number and date"), list, o, talk);
+  sub = action(*app, "list", "What is kept, by serial number and date", *o);
+  add_serial(sub, *o);
+  chosen(sub, list, o, talk);
 
-  sub = action(*app, "show", "One calibration; -o writes its model as it was kept");
+  sub = action(*app, "show", "One calibration; -o writes its model as it was kept", *o);
   sub->add_option("id", o->id, "Number of the calibration")->required()->type_name("ID")->group("Input");
   sub->add_option("-o,--output", o->output, "Model to write (JSON)")->type_name("model.json")->group("Output");
   chosen(sub, show, o, talk);
 
-  sub = action(*app, "compare", "What differs between two calibrations of a machine, told from noise");
+  sub = action(*app, "compare", "What differs between two calibrations of a machine, told from noise", *o);
   sub->add_option("id", o->id, "Number of the earlier calibration")->required()->type_name("ID")->group("Input");
   sub->add_option("other", o->other, "Number of the later one")->required()->type_name("ID")->group("Input");
   chosen(sub, compare, o, talk);
 
-  sub = action(*app, "trend", "Every error over the calibrations with its 95 % band; exit status 1 beyond a limit");
+  sub = action(*app, "trend", "Every error over the calibrations with its 95 % band; exit status 1 beyond a limit", *o);
+  add_serial(sub, *o);
   sub->add_option("--limits", o->limits, "Alarm limits (TOML: tables [value] and [change])")
       ->type_name("L.toml")
       ->group("Input");
   sub->add_option("-o,--output", o->output, "All values to write (CSV)")->type_name("T.csv")->group("Output");
   chosen(sub, trend, o, talk);
 
-  sub = action(*app, "drift", "Which errors moved, since when and by how much");
+  sub = action(*app, "drift", "Which errors moved, since when and by how much", *o);
+  add_serial(sub, *o);
   sub->add_option("-o,--output", o->output, "Findings to write (JSON)")->type_name("D.json")->group("Output");
   chosen(sub, drift, o, talk);
+
+  sub = action(*app, "prior",
+               "The last model, and how far the machine may have moved until a date, for identify --prior", *o);
+  add_serial(sub, *o);
+  sub->add_option("--date", o->date, "When the new readings are taken")->required()->type_name("DATE")->group("Input");
+  sub->add_option("-o,--output", o->output, "Model to write (JSON)")
+      ->required()
+      ->type_name("prior.json")
+      ->group("Output");
+  chosen(sub, prior, o, talk);
 
   app->footer(
       "Examples:\n"

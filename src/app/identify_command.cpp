@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/command.h"
 #include "app/text_table.h"
+#include "error.h"
 #include "identification/identify.h"
 #include "io/identification_report.h"
 #include "io/machine_file.h"
@@ -16,7 +18,8 @@ namespace trunnion {
 namespace {
 
 struct Options {
-  std::string machine, observations, output, method = "joint", interpolation;
+  std::string machine, observations, output, method = "joint", interpolation, prior;
+  double drift_um = -1, drift_urad = -1;  ///< negative: as the prior says
   bool fill = false, no_robust = false;
 };
 
@@ -36,6 +39,9 @@ std::string summary(const IdentificationResult& r, const Machine& machine) {
           (r.chi_square_p < 1e-3 ? ": more scatter than the probe has, see trunnion close" : ": as declared") + "\n";
   if (r.uncertainty_scale > 1)
     text += formatted("Standard uncertainties are enlarged by %.2f accordingly\n", r.uncertainty_scale);
+  if (r.belief)
+    text += formatted("Against the prior: chi-square %.1f", r.belief->chi_square) +
+            formatted(" at %.0f degrees of freedom", r.belief->freedom) + formatted(" (p %.2g)\n", r.belief->p_value);
   text += formatted("Least redundancy of a reading %.3f", r.worst_redundancy) +
           ", readings that nothing checks: " + std::to_string(r.unchecked.size()) + "\n\n";
 
@@ -100,10 +106,38 @@ void warn(const IdentificationResult& r, const Talk& talk, char tilt) {
               components + "; its errors are left unknown (--fill takes them from the smooth fit)");
   }
   for (const std::string& name : r.undetermined) talk.warn(name + ": not determined by these readings");
+  if (r.belief && r.belief->p_value < 1e-3)
+    talk.warn("the readings contradict the prior" + formatted(" (p %.1e)", r.belief->p_value) +
+              ": the machine has moved further than the drift allows, or was set up otherwise; measure it in full and "
+              "identify without --prior");
   if (!r.interpolated_nodes.empty())
     talk.warn(std::to_string(r.interpolated_nodes.size()) +
               " grid positions were not probed (first: " + position_text(r.interpolated_nodes.front(), tilt, true) +
               "); the smooth fit stands in, with its uncertainty");
+}
+
+/// How far the machine may have moved since the prior, as the options or the file say.
+double drift(double option, const Model& earlier, const char* unit) {
+  if (option >= 0) return option;
+  if (earlier.fit && earlier.fit->is_object() && earlier.fit->contains("drift") &&
+      (*earlier.fit)["drift"].contains(unit) && (*earlier.fit)["drift"][unit].is_number())
+    return (*earlier.fit)["drift"][unit].get<double>();
+  throw UsageError(std::string("--drift-") + unit +
+                   ": wanted, since the prior does not say how far the machine may have moved (trunnion history prior "
+                   "writes one that does)");
+}
+
+EarlierMap earlier_map(const Options& o, const Machine& machine, const Talk& talk) {
+  const Model model = read_model(o.prior, machine);
+  for (const EffectPtr& effect : model.effects)
+    if (effect->origin() == Origin::machine && effect->id() != "rotary_error_map")
+      talk.warn(o.prior + ": " + effect->id() + " of the prior is not used, only its map is");
+  EarlierMap earlier{.drift = {Length::micrometres(drift(o.drift_um, model, "um")),
+                               Angle::microradians(drift(o.drift_urad, model, "urad"))}};
+  for (const EffectPtr& effect : model.effects)
+    if (auto map = std::dynamic_pointer_cast<const RotaryErrorMap>(effect)) earlier.map = std::move(map);
+  if (!earlier.map) throw InputError(o.prior, "a rotary_error_map is wanted as the prior");
+  return earlier;
 }
 
 int run(const Options& o, const Talk& talk) {
@@ -111,12 +145,21 @@ int run(const Options& o, const Talk& talk) {
   const ObservationSet observations = read_observations(o.observations, machine);
   IdentificationOptions options{.robust = !o.no_robust, .fill = o.fill, .interpolation = o.interpolation};
   options.method = o.method == "two-step" ? IdentificationMethod::two_step : IdentificationMethod::joint;
+  std::vector<std::string> inputs = {o.machine, o.observations};
+  if (!o.prior.empty()) {
+    options.earlier = earlier_map(o, machine, talk);
+    inputs.push_back(o.prior);
+  }
   IdentificationResult result = identify(observations, machine, options);
-  nlohmann::json fit = identification_json(result, machine, {o.machine, o.observations});
+  nlohmann::json fit = identification_json(result, machine, inputs);
+  if (options.earlier) {
+    fit["prior"]["drift"] = {{"um", options.earlier->drift.length.in_micrometres()},
+                             {"urad", options.earlier->drift.angle.in_microradians()}};
+  }
   fit["observed"] = observed_json(observations);
   result.model.fit = std::make_shared<nlohmann::json>(fit);
   warn(result, talk, machine.tilt_letter());
-  write_whole(o.output, model_text(result.model), {o.machine, o.observations});
+  write_whole(o.output, model_text(result.model), inputs);
   talk.show(summary(result, machine));
   if (talk.json) std::printf("%s\n", fit.dump(1).c_str());
   talk.say("wrote " + o.output);
@@ -145,6 +188,15 @@ Command identify_command(CLI::App& program, const Talk& talk) {
   app->add_option("--interpolation", o->interpolation, "Between the nodes; default: what predicts left-out angles best")
       ->check(CLI::IsMember({"gaussian-process", "trig-cubic", "bilinear", "natural-neighbour"}))
       ->group("Fit");
+  CLI::Option* prior =
+      app->add_option("--prior", o->prior, "An earlier model of this machine, believed as far as the drift allows")
+          ->type_name("model.json")
+          ->group("Fit");
+  for (const auto& [name, value] : {std::pair("--drift-um", &o->drift_um), std::pair("--drift-urad", &o->drift_urad)})
+    app->add_option(name, *value, "How far an error may have moved since the prior, 1 sigma; else as the prior says")
+        ->check(CLI::Range(0.0, 1e6))
+        ->needs(prior)
+        ->group("Fit");
   app->add_flag("--fill", o->fill, "Let the smooth fit stand in for freedoms that no reading determines")->group("Fit");
   app->add_flag("--no-robust", o->no_robust, "Do not look for outliers")->group("Fit");
   app->footer("Example:\n  trunnion identify --machine machine.toml --observations replica.csv -o model.json");

@@ -12,8 +12,6 @@
 namespace trunnion {
 namespace {
 
-constexpr double kDaysPerYear = 365.25;
-
 /// Why a calibration is no independent look at the machine; empty if it is one.
 std::string dependence(const Calibration& c, const Model& model, std::set<std::string>& seen) {
   if (model.fit && model.fit->is_object() && model.fit->contains("prior"))

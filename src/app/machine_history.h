@@ -8,6 +8,8 @@
 
 namespace trunnion {
 
+inline constexpr double kDaysPerYear = 365.25;
+
 /// The calibrations of one machine that are compared: texts, dates and models of the same index.
 struct MachineHistory {
   Machine machine;  ///< as of the last one

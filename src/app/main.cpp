@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <span>
 
 #include "app/command.h"
 #include "error.h"
@@ -28,30 +29,43 @@ int report(int status, const std::string& text) {
   return status;
 }
 
-/// What is wrong with a command line that CLI11 refused: a misspelled word before whatever it made missing.
-std::string usage_text(const CLI::App& program, const CLI::ParseError& error, const std::vector<std::string>& words) {
+using CommandWords = std::span<const std::string>;
+
+/// What is wrong with a command line that CLI11 refused: a misspelled word before whatever it made missing. `words` are
+/// those after `app`'s own name, `name`.
+std::string usage_text(const CLI::App& app, const std::string& name, const CLI::ParseError& error, CommandWords words) {
+  const std::string help = " (see " + name + " --help)";
   const auto nearest = [](const std::string& word, const std::vector<std::string>& known) {
     return "\"" + word + "\" found, the nearest that exists is " + nearest_name(word, known);
   };
   std::vector<std::string> commands;
-  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     commands.push_back(command->get_name());
-  if (words.empty()) return "a command is wanted (see trunnion --help)";
-  if (words[0][0] != '-' && std::ranges::find(commands, words[0]) == commands.end())
-    return "command: " + nearest(words[0], commands) + " (see trunnion --help)";
-  std::string help = "trunnion --help";
-  for (const CLI::App* command : program.get_subcommands()) {
-    help = "trunnion " + command->get_name() + " --help";
-    std::vector<std::string> options;
-    for (const CLI::Option* option : command->get_options())
-      for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
-    for (const std::string& word : command->remaining())
-      if (word.starts_with("--")) return nearest(word.substr(0, word.find('=')), options) + " (see " + help + ")";
+  if (!commands.empty()) {
+    if (words.empty()) return "a command is wanted" + help;
+    for (const CLI::App* command : app.get_subcommands())
+      return usage_text(*command, name + " " + command->get_name(), error, words.subspan(1));
+    if (words[0][0] != '-') return "command: " + nearest(words[0], commands) + help;
   }
+  std::vector<std::string> options;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& option_name : option->get_lnames()) options.push_back("--" + option_name);
+  for (const std::string& word : app.remaining())
+    if (word.starts_with("--")) return nearest(word.substr(0, word.find('=')), options) + help;
   std::string text = error.what();
   for (char& c : text)
     if (c == '\n') c = ' ';
-  return text + " (see " + help + ")";
+  return text + help;
+}
+
+/// The options that say how a command talks, for the command or each of its own commands.
+void add_talk(CLI::App& app, Talk& talk) {
+  const auto below = app.get_subcommands([](const CLI::App*) { return true; });
+  for (CLI::App* command : below) add_talk(*command, talk);
+  if (!below.empty()) return;
+  app.add_flag("--json", talk.json, "Print the machine-readable summary on standard output")->group("Talk");
+  app.add_flag("--quiet", talk.quiet, "Say nothing but errors")->group("Talk");
+  app.add_flag("--verbose", talk.verbose, "Say more")->group("Talk");
 }
 
 int run(int argc, char** argv) {
@@ -73,12 +87,7 @@ int run(int argc, char** argv) {
            history_command,
        })
     commands.push_back(add(program, talk));
-  for (const Command& command : commands) {
-    command.options->add_flag("--json", talk.json, "Print the machine-readable summary on standard output")
-        ->group("Talk");
-    command.options->add_flag("--quiet", talk.quiet, "Say nothing but errors")->group("Talk");
-    command.options->add_flag("--verbose", talk.verbose, "Say more")->group("Talk");
-  }
+  for (const Command& command : commands) add_talk(*command.options, talk);
   try {
     program.parse(argc, argv);
   } catch (const CLI::CallForHelp& e) {
@@ -88,7 +97,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return program.exit(e);
   } catch (const CLI::ParseError& e) {
-    return report(2, usage_text(program, e, {argv + 1, argv + argc}));
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    return report(2, usage_text(program, "trunnion", e, words));
   }
   for (const Command& command : commands)
     if (command.options->parsed()) return command.run();

@@ -1,6 +1,5 @@
 #include "history/error_series.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -120,19 +119,6 @@ Stacked stacked_pose_errors(const Model& model, const std::vector<IndexedPositio
   return stacked;
 }
 
-/// G of the location errors: the estimator with the weights of `covariance`; empty where they cannot be told apart.
-Eigen::MatrixXd estimator(const Eigen::MatrixXd& design, const Eigen::MatrixXd& covariance,
-                          const std::vector<Parameter>& parameters) {
-  Eigen::VectorXd unit(design.cols());
-  for (Eigen::Index k = 0; k < unit.size(); ++k) unit[k] = from_unit(1, parameters[static_cast<std::size_t>(k)].unit);
-  const Eigen::MatrixXd white = whitening(covariance);
-  const Eigen::MatrixXd x = white * design * unit.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> normal(Eigen::MatrixXd(x.transpose() * x));
-  constexpr double kTold = 1e-9;  // of the best determined
-  if (normal.vectorD().minCoeff() < kTold * normal.vectorD().maxCoeff()) return {};
-  return unit.asDiagonal() * normal.solve(Eigen::MatrixXd(x.transpose() * white));
-}
-
 /// The functions as linear maps from stacked pose errors, and back: what a free change of one does to them.
 std::vector<ChangeMode> functions_of(const KinematicChain& chain, char tilt_letter,
                                      const std::vector<std::vector<SplitNode>>& rows) {
@@ -231,7 +217,10 @@ SeriesSet error_series(std::span<const DatedModel> models, const Machine& machin
   Eigen::MatrixXd design(n, static_cast<Eigen::Index>(location->parameters().size()));
   for (std::size_t k = 0; k < at.size(); ++k)
     design.middleRows<6>(6 * static_cast<Eigen::Index>(k)) = location->basis(at_position(at[k]));
-  const Eigen::MatrixXd gain = estimator(design, mean, location->parameters());
+  Eigen::VectorXd scale(design.cols());
+  for (Eigen::Index k = 0; k < scale.size(); ++k)
+    scale[k] = from_unit(1, location->parameters()[static_cast<std::size_t>(k)].unit);
+  const Eigen::MatrixXd gain = least_squares_gain(design, mean, scale);
   const auto series = [&](const std::string& name, Unit unit, std::vector<IndexedPosition> places,
                           const Eigen::MatrixXd& map) {
     ErrorSeries result{.name = name, .unit = unit, .places = std::move(places)};

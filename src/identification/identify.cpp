@@ -1,93 +1,23 @@
 #include "identification/identify.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "error.h"
-#include "geometric_errors/symbol.h"
 #include "identification/distributions.h"
+#include "identification/findings.h"
 #include "identification/map_grid.h"
-#include "identification/whitening.h"
-#include "model/effects/location_errors.h"
 
 namespace trunnion {
 namespace {
 
 constexpr double kLever_mm = 100;
+constexpr double kDegree_rad = Angle::degrees(1).in_radians();
 
 Situation at_position(IndexedPosition at) {
   Situation s;
   s.at = at;
   return s;
-}
-
-/// The eight location errors by generalised least squares on the free pose errors.
-LocationFinding find_locations(const LinearProblem& problem, const FreePoseFit& fit, const Machine& machine) {
-  LocationFinding finding;
-  const EffectPtr effect = make_location_errors(effect_context(machine));
-  for (const Parameter& p : effect->parameters()) finding.symbols.push_back(p.name), finding.units.push_back(p.unit);
-  Eigen::MatrixXd design(fit.covariance.rows(), 8);
-  Eigen::VectorXd delta(fit.covariance.rows());
-  for (std::size_t p = 0; p < problem.poses.size(); ++p) {
-    if (fit.column[p] < 0) continue;
-    design.middleRows<6>(fit.column[p]) = effect->basis(at_position(problem.poses[p].at));
-    delta.segment<6>(fit.column[p]) = fit.delta[p].vector();
-  }
-  const Eigen::MatrixXd white = whitening(fit.covariance);
-  const Eigen::MatrixXd x = white * design;
-  const Eigen::VectorXd y = white * delta;
-  Eigen::VectorXd unit(8);
-  for (Eigen::Index k = 0; k < 8; ++k) unit[k] = finding.units[static_cast<std::size_t>(k)] == Unit::um ? 1e-3 : 1e-6;
-  const Eigen::MatrixXd scaled = x * unit.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> normal(Eigen::MatrixXd(scaled.transpose() * scaled));
-  finding.values = unit.cwiseProduct(normal.solve(scaled.transpose() * y));
-  finding.covariance = unit.asDiagonal() * normal.solve(Eigen::MatrixXd::Identity(8, 8)) * unit.asDiagonal();
-  finding.chi_square = (y - x * finding.values).squaredNorm();
-  finding.freedom = static_cast<double>(y.size() - 8);
-  finding.p_value = chi_square_tail(finding.chi_square, finding.freedom);
-  return finding;
-}
-
-std::vector<ErrorFinding> summarise(const RotaryMapContent& content, char tilt_letter) {
-  std::vector<ErrorFinding> findings;
-  const Eigen::VectorXd values = content.grid.coefficients();
-  for (const bool turn : {false, true})
-    for (std::size_t c = 0; c < 6; ++c) {
-      ErrorFinding f{.symbol = error_symbol(c, turn ? 'C' : tilt_letter), .unit = component_unit(c)};
-      std::vector<Eigen::Index> rows;
-      std::vector<IndexedPosition> places;
-      for (std::size_t i = 0; i < content.grid.a_stations.size(); ++i)
-        for (std::size_t j = 0; j < (turn ? content.grid.c_stations.size() : 1); ++j) {
-          const std::size_t k = (turn ? content.grid.turn_offset(i, j) : content.grid.tilt_offset(i)) + c;
-          if (!content.unseen.empty() && content.unseen[k]) continue;
-          rows.push_back(static_cast<Eigen::Index>(k));
-          places.push_back({content.grid.a_stations[i], turn ? content.grid.c_stations[j] : Angle()});
-        }
-      const auto n = static_cast<Eigen::Index>(rows.size());
-      Eigen::VectorXd v(n);
-      Eigen::MatrixXd covariance(n, n);
-      for (Eigen::Index r = 0; r < n; ++r) {
-        v[r] = values[rows[static_cast<std::size_t>(r)]];
-        for (Eigen::Index s = 0; s < n; ++s)
-          covariance(r, s) =
-              content.grid_covariance(rows[static_cast<std::size_t>(r)], rows[static_cast<std::size_t>(s)]);
-      }
-      if (n > 0) {
-        Eigen::Index largest = 0;
-        v.cwiseAbs().maxCoeff(&largest);
-        f.largest = v[largest];
-        f.largest_std = std::sqrt(std::max(0.0, covariance(largest, largest)));
-        f.largest_at = places[static_cast<std::size_t>(largest)];
-        f.rms_std = std::sqrt(std::max(0.0, covariance.diagonal().mean()));
-        const Eigen::VectorXd white = whitening(covariance) * v;
-        f.p_value = chi_square_tail(white.squaredNorm(), static_cast<double>(white.size()));
-        f.told_from_zero = f.p_value < 0.01;
-      }
-      findings.push_back(std::move(f));
-    }
-  return findings;
 }
 
 /// Adds up how far predictions are off, as displacements, angle by angle.
@@ -249,6 +179,52 @@ double rms_sigma_um(const LinearProblem& problem) {
   return 1e3 * std::sqrt(sum / static_cast<double>(problem.readings.size()));
 }
 
+/// The stations of `grid` and of an earlier map, none twice.
+PoseGrid with_stations_of(PoseGrid grid, const ErrorGrid& earlier) {
+  constexpr double kSame_rad = 0.1 * kDegree_rad;
+  const auto merge = [&](std::vector<Angle>& stations, const std::vector<Angle>& more, double period) {
+    for (const Angle angle : more) {
+      const auto same = [&](Angle station) {
+        const double gap = (angle - station).in_radians();
+        return std::abs(period > 0 ? std::remainder(gap, period) : gap) < kSame_rad;
+      };
+      if (std::ranges::none_of(stations, same)) stations.push_back(angle);
+    }
+    std::ranges::sort(stations);
+  };
+  merge(grid.a_stations, earlier.a_stations, 0);
+  merge(grid.c_stations, earlier.c_stations, kFullTurn.in_radians());
+  grid.pose_at.assign(grid.a_stations.size() * grid.c_stations.size(), -1);
+  return grid;
+}
+
+/// Location errors in a map that is told by its smooth surface.
+LocationFinding locations_of_surface(const LinearProblem& problem, const PoseGrid& grid, const SmoothFit& smooth,
+                                     const Machine& machine) {
+  std::vector<IndexedPosition> at;
+  for (const Angle a : grid.a_stations)
+    for (const Angle c : grid.c_stations) at.push_back({a, c});
+  Eigen::MatrixXd basis(6 * static_cast<Eigen::Index>(at.size()), smooth.coefficients.size());
+  for (std::size_t k = 0; k < at.size(); ++k)
+    basis.middleRows<6>(6 * static_cast<Eigen::Index>(k)) =
+        gauged_basis(*problem.chain, smooth.basis, at_position(at[k]));
+  return find_locations(at, basis * smooth.coefficients, basis * smooth.covariance * basis.transpose(), machine);
+}
+
+/// What the belief adds to chi-square, against what free poses leave.
+BeliefFinding judged(const SmoothFit& smooth, const LinearProblem& problem, const FreePoseFit* fit, double misfit) {
+  BeliefFinding finding{.chi_square = smooth.weighted_rss + smooth.belief_misfit,
+                        .freedom = static_cast<double>(smooth.readings) - static_cast<double>(problem.unknowns.size()),
+                        .misfit = misfit};
+  if (fit != nullptr) {
+    finding.chi_square -= fit->weighted_rss;
+    finding.freedom -= static_cast<double>(fit->degrees_of_freedom());
+  }
+  finding.chi_square = std::max(0.0, finding.chi_square);
+  finding.p_value = chi_square_tail(finding.chi_square, finding.freedom);
+  return finding;
+}
+
 }  // namespace
 
 IdentificationResult identify(const ObservationSet& observations, const Machine& machine,
@@ -257,13 +233,23 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
   const LinearProblem& problem = result.problem;
   const EffectContext context = effect_context(machine);
   result.model.machine = {machine.name, machine.serial, machine.structure.code};
-  const HarmonicBasis basis = basis_for(problem);
+  HarmonicBasis basis = basis_for(problem);
   const bool two_step = options.method == IdentificationMethod::two_step;
   if (two_step && problem.has_pose_kind)
     throw InputError(observations.files.front(), "the two-step method knows contact readings only; use --method joint");
   const bool free_poses = !problem.has_pose_kind && !problem.chain->has_rotary(Side::tool);
 
   SmoothOptions smooth_options{.free_noise = !problem.sigma_declared};
+  double misfit = 1;
+  if (options.earlier) {
+    if (two_step) throw UsageError("the two-step method takes no earlier map; use --method joint");
+    smooth_options.prior = fit_smooth(problem, basis, smooth_options).prior;
+    CarriedMap carried =
+        carried_over(*options.earlier->map, problem, basis, *smooth_options.prior, options.earlier->drift);
+    basis = carried.basis;
+    misfit = carried.misfit;
+    smooth_options.belief = std::move(carried.belief);
+  }
   std::vector<bool> used(problem.readings.size(), true);
   if (options.robust && !two_step) {
     OutlierSearch search = find_outliers(problem, basis, smooth_options);
@@ -276,7 +262,8 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
     result.smooth = fit_smooth(problem, basis, smooth_options);
   }
 
-  const PoseGrid grid = find_grid(problem.poses);
+  PoseGrid grid = find_grid(problem.poses);
+  if (options.earlier) grid = with_stations_of(std::move(grid), options.earlier->map->content().grid);
   RotaryMapContent content;
   std::optional<FreePoseFit> fit;
   double rss = result.smooth.weighted_rss;
@@ -297,6 +284,12 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
     result.undetermined = fit->undetermined_unknowns;
     redundancy = fit->redundancy;
   }
+  if (options.earlier) {
+    result.belief = judged(result.smooth, problem, fit ? &*fit : nullptr, misfit);
+    redundancy = result.smooth.redundancy;  // the earlier map checks what other readings do not
+    result.unseen.clear();
+    result.undetermined.clear();
+  }
   for (std::size_t i = 0; i < redundancy.size(); ++i) {
     if (!used[i]) continue;
     result.worst_redundancy = std::min(result.worst_redundancy, redundancy[i]);
@@ -311,13 +304,24 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
   result.smooth.covariance *= scale2;
   if (fit) fit->covariance *= scale2;
 
-  if (fit) {
+  if (options.earlier) {
+    content = map_from_surface(problem, grid, result.smooth);
+    result.location = locations_of_surface(problem, grid, result.smooth, machine);
+    fit.reset();  // what the readings say alone has been counted
+  } else if (fit) {
     content = map_from_poses(problem, grid, *fit, result.smooth);
     for (std::size_t k = 0; k < grid.pose_at.size(); ++k)
       if (grid.pose_at[k] < 0)
         result.interpolated_nodes.push_back(
             {grid.a_stations[k / grid.c_stations.size()], grid.c_stations[k % grid.c_stations.size()]});
-    result.location = find_locations(problem, *fit, machine);
+    std::vector<IndexedPosition> probed;
+    Eigen::VectorXd delta(fit->covariance.rows());
+    for (std::size_t p = 0; p < problem.poses.size(); ++p) {
+      if (fit->column[p] < 0) continue;
+      delta.segment<6>(fit->column[p]) = fit->delta[p].vector();
+      probed.push_back(problem.poses[p].at);
+    }
+    result.location = find_locations(probed, delta, fit->covariance, machine);
   } else {
     content = map_from_surface(problem, grid, result.smooth);
   }
@@ -329,6 +333,8 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
       result.interpolation.push_back(node_evidence(method, problem, grid, content.grid, *fit));
     if (!two_step) result.interpolation.push_back(smooth_evidence(problem, grid, *fit, result.smooth, used, {}));
   }
+  if (options.earlier && !options.interpolation.empty() && options.interpolation != "gaussian-process")
+    throw UsageError("--interpolation: with an earlier map the result is smooth, gaussian-process is wanted");
   result.chosen_interpolation = options.interpolation;
   if (result.chosen_interpolation.empty()) {
     if (two_step) {

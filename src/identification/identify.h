@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "identification/earlier_map.h"
 #include "identification/free_pose_fit.h"
 #include "identification/outliers.h"
 #include "model/effects/rotary_error_map.h"
@@ -13,11 +14,18 @@ namespace trunnion {
 
 enum class IdentificationMethod { joint, two_step };
 
+/// An earlier map of the same machine, and how far the machine may have moved since.
+struct EarlierMap {
+  std::shared_ptr<const RotaryErrorMap> map;
+  Drift drift;
+};
+
 struct IdentificationOptions {
   IdentificationMethod method = IdentificationMethod::joint;
-  bool robust = true;         ///< look for outliers and leave them out
-  bool fill = false;          ///< let the smooth fit stand in for freedoms that no reading determined
-  std::string interpolation;  ///< a method's name; empty: chosen by evidence
+  bool robust = true;                 ///< look for outliers and leave them out
+  bool fill = false;                  ///< let the smooth fit stand in for freedoms that no reading determined
+  std::string interpolation;          ///< a method's name; empty: chosen by evidence
+  std::optional<EarlierMap> earlier;  ///< is believed before the readings; the result is a smooth map then
 };
 
 /// Location errors found in the map, as if nothing else were wrong, and whether that would do.
@@ -59,6 +67,13 @@ struct InterpolationEvidence {
   std::vector<LeftOutAngle> angles;
 };
 
+/// How the readings agree with what was believed of an earlier map.
+struct BeliefFinding {
+  double chi_square = 0, freedom = 0;  ///< what the belief adds to what free poses would leave
+  double p_value = 1;                  ///< that a machine which drifted as stated differs as much
+  double misfit = 1;                   ///< reduced chi-square of the earlier map's nodes against the smooth basis
+};
+
 struct IdentificationResult {
   Model model;  ///< the rotary error map alone
   IdentificationMethod method = IdentificationMethod::joint;
@@ -76,6 +91,7 @@ struct IdentificationResult {
   std::vector<UnseenFreedom> unseen;
   std::vector<std::string> undetermined;            ///< unknowns of the measurement
   std::vector<IndexedPosition> interpolated_nodes;  ///< grid positions that were not probed
+  std::optional<BeliefFinding> belief;              ///< with an earlier map
   LocationFinding location;
   std::vector<ErrorFinding> errors;
   std::vector<InterpolationEvidence> interpolation;

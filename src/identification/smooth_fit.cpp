@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -25,6 +26,8 @@ struct System {
   double square[2] = {0, 0};
   double count[2] = {0, 0};
   Eigen::VectorXd extra_precision;  ///< of the last columns, whitened units; empty: free
+  Eigen::VectorXd believed_mean;    ///< of the coefficients, and the precision of that; empty: zero and the prior's
+  Eigen::MatrixXd believed_precision;
 };
 
 /// The prior's degrees of freedom, as logarithms that may take any value.
@@ -122,7 +125,17 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
   Evaluation e;
   Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(system.size, system.size);
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(system.size);
-  double value = 0.5 * log_variance.sum();
+  double value = 0;
+  const auto m = system.coefficients;
+  if (system.believed_mean.size() > 0) {
+    const Eigen::VectorXd pull = system.believed_precision * system.believed_mean;
+    joint.topLeftCorner(m, m) += system.believed_precision;
+    rhs.head(m) += pull;
+    value += 0.5 * pull.dot(system.believed_mean);
+  } else {
+    joint.diagonal().head(m) += (-log_variance).array().exp().matrix();
+    value += 0.5 * log_variance.sum();
+  }
   for (int c = 0; c < 2; ++c) {
     if (system.count[c] == 0) continue;
     const double w = 1 / (noise[c] * noise[c]);
@@ -130,7 +143,6 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
     rhs += w * system.rhs[c];
     value += 0.5 * w * system.square[c] + system.count[c] * std::log(noise[c]);
   }
-  joint.diagonal().head(system.coefficients) += (-log_variance).array().exp().matrix();
   if (system.extra_precision.size() > 0) joint.diagonal().tail(system.extra_precision.size()) += system.extra_precision;
   // An unknown that no reading in use sees stays at zero.
   const double largest = std::max(1.0, joint.diagonal().tail(system.size - system.coefficients).size() > 0
@@ -205,6 +217,16 @@ double typical_sigma_um(const LinearProblem& problem) {
 
 }  // namespace
 
+Eigen::VectorXd prior_variances(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior) {
+  const Hyperparameters hyper(basis, typical_sigma_um(problem));
+  Eigen::VectorXd log_variance;
+  Eigen::MatrixXd derivative;
+  hyper.log_variances(hyper.pack(prior), log_variance, derivative);
+  Eigen::VectorXd variance = log_variance.array().exp();
+  for (Eigen::Index k = 0; k < variance.size(); ++k) variance[k] *= coefficient_scale(k) * coefficient_scale(k);
+  return variance;
+}
+
 SmoothDesign smooth_design(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior) {
   SmoothDesign design;
   const Eigen::MatrixXd none;
@@ -212,12 +234,10 @@ SmoothDesign smooth_design(const LinearProblem& problem, const HarmonicBasis& ba
   const auto n = static_cast<Eigen::Index>(problem.readings.size());
   design.columns.resize(n, whitener.column_scale().size());
   for (Eigen::Index i = 0; i < n; ++i) design.columns.row(i) = whitener.row(i);
-  const Hyperparameters hyper(basis, typical_sigma_um(problem));
-  Eigen::VectorXd log_variance;
-  Eigen::MatrixXd derivative;
-  hyper.log_variances(hyper.pack(prior), log_variance, derivative);
+  const Eigen::VectorXd variance = prior_variances(problem, basis, prior);
   design.precision = Eigen::VectorXd::Zero(design.columns.cols());
-  design.precision.head(log_variance.size()) = (-log_variance).array().exp();
+  for (Eigen::Index k = 0; k < variance.size(); ++k)
+    design.precision[k] = coefficient_scale(k) * coefficient_scale(k) / variance[k];
   return design;
 }
 
@@ -298,6 +318,16 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
                                   : options.values[static_cast<std::size_t>(i)];
   };
   if (options.extra_precision.size() > 0) system.extra_precision = kUm * kUm * options.extra_precision;
+  if (options.belief) {
+    assert(options.prior);
+    Eigen::VectorXd per_unit(m);
+    for (Eigen::Index k = 0; k < m; ++k) per_unit[k] = 1 / coefficient_scale(k);
+    system.believed_mean = per_unit.cwiseProduct(options.belief->mean);
+    system.believed_precision =
+        Eigen::MatrixXd(per_unit.asDiagonal() * options.belief->covariance * per_unit.asDiagonal())
+            .llt()
+            .solve(Eigen::MatrixXd::Identity(m, m));
+  }
   RowWhitener whitener(problem, basis, options.extra_columns);
   const auto whiten = [&](Eigen::Index i) -> const Eigen::RowVectorXd& { return whitener.row(i); };
   const Eigen::VectorXd& column_scale = whitener.column_scale();
@@ -377,6 +407,10 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
   }
   const Evaluation e = evaluate(system, log_variance, noise, Inverse::full);
   fit.log_evidence = -e.negative_log;
+  if (options.belief) {
+    const Eigen::VectorXd moved = e.solution.head(m) - system.believed_mean;
+    fit.belief_misfit = moved.dot(system.believed_precision * moved);
+  }
   const Eigen::VectorXd solution = e.solution.cwiseProduct(column_scale);
   const Eigen::MatrixXd covariance = column_scale.asDiagonal() * e.inverse * column_scale.asDiagonal();
   fit.coefficients = solution.head(m);

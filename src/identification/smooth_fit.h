@@ -20,12 +20,20 @@ struct SmoothPrior {
   double length_noise = 1, angle_noise = 1;  ///< sigma found over sigma declared, where it was left to the data
 };
 
+/// What is believed of a map's coefficients before the readings: a normal distribution.
+struct CoefficientBelief {
+  Eigen::VectorXd mean;        ///< of a HarmonicSurface, mm and rad
+  Eigen::MatrixXd covariance;  ///< positive definite
+};
+
 struct SmoothOptions {
   std::optional<SmoothPrior> prior;  ///< used as it is; else found by restricted maximum likelihood (REML)
   std::optional<SmoothPrior> start;  ///< where the search for the prior begins, if not at its centre
-  bool free_noise = false;           ///< the noise level is found too
-  std::vector<double> weights;       ///< one per reading on 1/sigma^2, 0 leaves it out; empty: all 1
-  std::vector<double> values;        ///< replaces Reading::value (relinearised readings); empty: as they are
+  std::optional<CoefficientBelief>
+      belief;                     ///< takes the place of the prior's zero mean and variances; asks for `prior`
+  bool free_noise = false;        ///< the noise level is found too
+  std::vector<double> weights;    ///< one per reading on 1/sigma^2, 0 leaves it out; empty: all 1
+  std::vector<double> values;     ///< replaces Reading::value (relinearised readings); empty: as they are
   Eigen::MatrixXd extra_columns;  ///< further unknowns without prior: one row per reading (mm or rad), one column each
   Eigen::VectorXd extra_precision;  ///< prior precision of each extra unknown; empty: they are free
 };
@@ -42,6 +50,7 @@ struct SmoothFit {
   std::vector<double> residual;    ///< observed minus fitted, per reading, mm or rad
   std::vector<double> redundancy;  ///< 1 - h_ii of each reading used; 0 for those left out
   double weighted_rss = 0;
+  double belief_misfit = 0;         ///< (beta - mean)^T covariance^-1 (beta - mean) of a belief
   double log_evidence = 0;          ///< restricted log likelihood, up to a constant of the data
   double effective_parameters = 0;  ///< trace of the influence, unknowns included
   std::size_t readings = 0;
@@ -57,6 +66,9 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
 /// from the other): they are as uncertain as their prior is wide, and their variance, a hundred million times that of
 /// the others, would drown those in a file's last digit. No pose error and none of its variances is changed.
 SmoothFit without_unseen_constants(SmoothFit fit, const KinematicChain& chain);
+
+/// Prior variances of the coefficients of `basis`, mm^2 and rad^2.
+Eigen::VectorXd prior_variances(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior);
 
 /// Whitened design of a smooth fit, one row per reading: the basis' coefficients, then the measurement's unknowns, in
 /// units in which the numbers are of order one (um, urad); and the prior precision of each column (0: free).

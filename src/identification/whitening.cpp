@@ -1,5 +1,6 @@
 #include "identification/whitening.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
@@ -16,6 +17,16 @@ Eigen::MatrixXd whitening(const Eigen::MatrixXd& covariance) {
   while (eigen.eigenvalues()[first] <= kSpanned * eigen.eigenvalues()[n - 1]) ++first;
   return eigen.eigenvalues().tail(n - first).cwiseSqrt().cwiseInverse().asDiagonal() *
          eigen.eigenvectors().rightCols(n - first).transpose() * unit.asDiagonal();
+}
+
+Eigen::MatrixXd least_squares_gain(const Eigen::MatrixXd& design, const Eigen::MatrixXd& covariance,
+                                   const Eigen::VectorXd& scale) {
+  constexpr double kTold = 1e-9;  // of the best determined
+  const Eigen::MatrixXd white = whitening(covariance);
+  const Eigen::MatrixXd x = white * design * scale.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> normal(Eigen::MatrixXd(x.transpose() * x));
+  if (normal.vectorD().minCoeff() < kTold * normal.vectorD().maxCoeff()) return {};
+  return scale.asDiagonal() * normal.solve(Eigen::MatrixXd(x.transpose() * white));
 }
 
 }  // namespace trunnion

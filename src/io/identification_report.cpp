@@ -109,6 +109,11 @@ json identification_json(const IdentificationResult& r, const Machine& machine,
                           {"angles", std::move(angles)}};
   }
   j["interpolation"] = {{"chosen", r.chosen_interpolation}, {"left_out_angles", std::move(evidence)}};
+  if (r.belief)
+    j["prior"] = {{"chi2", r.belief->chi_square},
+                  {"degrees_of_freedom", r.belief->freedom},
+                  {"p_value", r.belief->p_value},
+                  {"misfit_of_its_nodes", r.belief->misfit}};
   j.update(provenance_json(inputs));
   return j;
 }

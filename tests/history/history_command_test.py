@@ -159,6 +159,17 @@ class HistoryTest(unittest.TestCase):
                          ["EX0C", "step", "2026-03-01", "2026-04-01"])
         self.assertAlmostEqual(change["largest"]["amount"], 4, delta=0.01)
 
+    def test_carries_on_with_the_drift_that_was_seen(self):
+        for k, shift in enumerate([1.0, 1.3, 0.9, 1.2]):
+            self.add(shift_um=shift, date=f"2026-0{k + 1}-01")
+        self.run_history("prior", "--date", "2026-03-01", "-o", "prior.json", status=2)
+        self.run_history("prior", "--date", "2026-04-01", "-o", "now.json")
+        self.run_history("prior", "--date", "2027-04-01", "-o", "later.json")
+        now, later = (json.loads((self.folder / f"{n}.json").read_text())["fit"]["drift"] for n in ("now", "later"))
+        self.assertEqual(now, {"um": 0, "urad": 0})
+        # 0.3 um up and down from month to month, told to 0.06 um: about 0.3 * sqrt(12) um a year
+        self.assertTrue(0.5 < later["um"] < 4, later)
+
     def test_takes_two_processes_at_once(self):
         each, running = 10, []
         for worker in range(2):

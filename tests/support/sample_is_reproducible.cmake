@@ -1,0 +1,18 @@
+# cmake -DMAKE=<program> -DSAMPLES=<folder> -DFRESH=<scratch> -P sample_is_reproducible.cmake
+# Whatever the program writes stands in the sample, byte for byte.
+file(REMOVE_RECURSE ${FRESH})
+file(MAKE_DIRECTORY ${FRESH})
+execute_process(COMMAND ${MAKE} ${FRESH} RESULT_VARIABLE status)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "${MAKE} ended with ${status}")
+endif()
+file(GLOB names RELATIVE ${FRESH} ${FRESH}/*)
+if(NOT names)
+  message(FATAL_ERROR "${MAKE} wrote nothing")
+endif()
+foreach(name ${names})
+  execute_process(COMMAND ${CMAKE_COMMAND} -E compare_files ${FRESH}/${name} ${SAMPLES}/${name} RESULT_VARIABLE differs)
+  if(differs)
+    message(FATAL_ERROR "${FRESH}/${name} is not ${SAMPLES}/${name}: ${MAKE} no longer writes the sample")
+  endif()
+endforeach()
