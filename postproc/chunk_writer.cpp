@@ -222,21 +222,15 @@ void ChunkWriter::solve(const MotionBlock& block, const AxisValues& at, Solution
       at[kTilt] > measured.high.in_degrees() + kAngleRounding_deg)
     throw RangeError(std::string(1, letters_[kTilt]) + text_of(at[kTilt], 4) + ": outside the probed range " +
                      text_of(measured.low.in_degrees(), 4) + " ... " + text_of(measured.high.in_degrees(), 4) + " deg");
-  const RotaryCorrection turn = turns(block) ? solver.rotary(programmed) : RotaryCorrection{};
-  if (!(std::abs(turn.da.in_radians()) <= 1) || !(std::abs(turn.dc.in_radians()) <= 1))
-    throw RangeError("the model gives no usable correction of the rotary axes here");
-
+  const Corrector::Solved solved =
+      solver.solve(programmed, block.decimals[kTilt], block.decimals[kTurn], !block.rotary_fixed);
   solution.programmed = at;
-  solution.residual = turn.residual;
+  solution.residual = solved.turn.residual;
   solution.commanded = programmed;
-  solution.ticks[kTilt] = rounded(turn.da.in_degrees(), block.decimals[kTilt]);
-  solution.ticks[kTurn] = rounded(turn.dc.in_degrees(), block.decimals[kTurn]);
-  // Angles as they will be written; the position follows them.
-  if (solution.ticks[kTilt].mantissa != 0)
-    solution.commanded.rotary.a = Angle::degrees(at[kTilt] + solution.ticks[kTilt].value());
-  if (solution.ticks[kTurn].mantissa != 0)
-    solution.commanded.rotary.c = Angle::degrees(at[kTurn] + solution.ticks[kTurn].value());
-  solution.linear = solver.linear(programmed, solution.commanded.rotary);
+  solution.commanded.rotary = solved.rotary;
+  solution.ticks[kTilt] = solved.tilt_deg;
+  solution.ticks[kTurn] = solved.turn_deg;
+  solution.linear = solved.linear;
   if (!(solution.linear.change_mm.cwiseAbs().maxCoeff() < kAbsurd_mm) || !(solution.linear.deviation_mm < kAbsurd_mm))
     throw RangeError("the model gives no usable correction of the position here");
   const Vector3d change = into_frame(block, solution.linear.change_mm);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "error.h"
+
 namespace trunnion {
 namespace {
 
@@ -12,9 +14,11 @@ using Eigen::Vector3d;
 
 constexpr double kDerivativeStep_rad =
     1e-4;                                // errors change over tenths of a radian: 1e-9 of them is lost to curvature
-constexpr double kConverged_rad = 1e-9;  // a further step would be a thousandth of this
+constexpr double kConverged_rad = 1e-6;  // a step leaves a thousandth of itself, errors of a milliradian granted
 constexpr int kMostSteps = 8;            // two do unless the errors are absurd
 
+constexpr double kAbsurdTurn_rad = 1;
+constexpr double kNear_rad = 5e-4;    // second order: 30 um of six waves a turn lose 0.0002 um
 constexpr double kSmall_rad = 0.005;  // its seventh power is beyond double precision
 
 /// `v` turned by `angle` about the unit vector `axis` (Rodrigues). Corrections are small: their sine is a short series.
@@ -129,16 +133,15 @@ class AxisMismatch {
 
 ErrorField::Slopes ErrorField::with_slopes(const Situation& situation) const {
   const Angle step = Angle::radians(kDerivativeStep_rad);
-  const auto rotation_at = [&](Angle a, Angle c) {
+  const PoseError here = at(situation);
+  const auto slope = [&](Angle a, Angle c) {
     Situation near = situation;
     near.at = {a, c};
-    return at(near).rotation_rad;
+    const PoseError there = at(near);
+    return PoseError{(there.translation_mm - here.translation_mm) / kDerivativeStep_rad,
+                     (there.rotation_rad - here.rotation_rad) / kDerivativeStep_rad};
   };
-  Slopes slopes{at(situation), {}, {}};
-  const Vector3d& here = slopes.error.rotation_rad;
-  slopes.rotation_by_a = (rotation_at(situation.at.a + step, situation.at.c) - here) / kDerivativeStep_rad;
-  slopes.rotation_by_c = (rotation_at(situation.at.a, situation.at.c + step) - here) / kDerivativeStep_rad;
-  return slopes;
+  return {here, slope(situation.at.a + step, situation.at.c), slope(situation.at.a, situation.at.c + step)};
 }
 
 Corrector::Corrector(const KinematicChain& chain, const ErrorField& field, CorrectionSettings settings)
@@ -146,22 +149,36 @@ Corrector::Corrector(const KinematicChain& chain, const ErrorField& field, Corre
   for (std::size_t i = 0; i < 2; ++i) {
     cross_[i] = cross_matrix(chain.rotary_joints()[i].direction);
     cross2_[i] = cross_[i] * cross_[i];
+    at_zero_[i] = chain.rotary_joints()[i].origin_mm.isZero(0);
   }
 }
 
-Corrector::Stand Corrector::stand(IndexedPosition position) const {
+Corrector::Turns Corrector::turns(IndexedPosition position) const {
+  Turns turns;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double angle = (i == chain_.tilt_index() ? position.a : position.c).in_radians();
+    turns.sine[i] = std::sin(angle);
+    turns.cosine[i] = std::cos(angle);
+  }
+  return turns;
+}
+
+Corrector::Stand Corrector::stand(const Turns& turns) const {
   Stand at;
   at.w_rotation = at.t_rotation = Matrix3d::Identity();
   at.w_origin = at.t_origin = Vector3d::Zero();
+  bool turned[2] = {false, false};  // workpiece, tool
   for (std::size_t i = 0; i < 2; ++i) {
     const RotaryJoint& joint = chain_.rotary_joints()[i];
-    const double angle = (i == chain_.tilt_index() ? position.a : position.c).in_radians();
-    const Matrix3d motion = Matrix3d::Identity() + std::sin(angle) * cross_[i] + (1 - std::cos(angle)) * cross2_[i];
-    Matrix3d& rotation = joint.side == Side::workpiece ? at.w_rotation : at.t_rotation;
-    Vector3d& origin = joint.side == Side::workpiece ? at.w_origin : at.t_origin;
-    at.lines[i] = rotation * joint.direction;
-    origin += rotation * (joint.origin_mm - motion * joint.origin_mm);
-    rotation = rotation * motion;
+    const Matrix3d motion = Matrix3d::Identity() + turns.sine[i] * cross_[i] + (1 - turns.cosine[i]) * cross2_[i];
+    const bool table = joint.side == Side::workpiece;
+    Matrix3d& rotation = table ? at.w_rotation : at.t_rotation;
+    bool& carried = turned[table ? 0 : 1];
+    at.lines[i] = carried ? Vector3d(rotation * joint.direction) : joint.direction;
+    if (!at_zero_[i])
+      (table ? at.w_origin : at.t_origin) += rotation * Vector3d(joint.origin_mm - motion * joint.origin_mm);
+    rotation = carried ? Matrix3d(rotation.lazyProduct(motion)) : motion;
+    carried = true;
   }
   return at;
 }
@@ -198,12 +215,13 @@ Situation Corrector::situation(const Commanded& programmed, IndexedPosition posi
 
 RotaryCorrection Corrector::rotary(const Commanded& programmed) const {
   if (settings_.orientation == Orientation::as_programmed) return {};
-  const IndexedPosition at = programmed.rotary;
-  const Stand here = stand(at);
-  const Vector3d tip = tip_r(programmed, here);
-  const ErrorField::Slopes slopes = field_.with_slopes(situation(programmed, at, tip));
-  const AxisMismatch axes(chain_, here.t_rotation.col(2), here.lines, slopes.error.rotation_rad, slopes.rotation_by_a,
-                          slopes.rotation_by_c);
+  const Stand here = stand(programmed.rotary);
+  return rotary(here, field_.with_slopes(situation(programmed, programmed.rotary, tip_r(programmed, here))));
+}
+
+RotaryCorrection Corrector::rotary(const Stand& here, const ErrorField::Slopes& slopes) const {
+  const AxisMismatch axes(chain_, here.t_rotation.col(2), here.lines, slopes.error.rotation_rad,
+                          slopes.by_a.rotation_rad, slopes.by_c.rotation_rad);
 
   // Stationary point J~^T m(q) + diag(0, lambda^2) dq = 0 by Newton with the full derivative. J~ is the nominal one, so
   // that a C parallel to the tool keeps its programmed value.
@@ -233,24 +251,29 @@ RotaryCorrection Corrector::rotary(const Commanded& programmed) const {
 }
 
 Corrector::Linear Corrector::linear(const Commanded& programmed, IndexedPosition rotary) const {
+  const Stand there = stand(rotary);
+  const bool needs_meant = settings_.tcp == ToolCentrePoint::off && !(rotary == programmed.rotary);
+  return linear(programmed, rotary, needs_meant ? stand(programmed.rotary) : there, there, std::nullopt);
+}
+
+/// `known`: the error at `rotary`, where it is.
+Corrector::Linear Corrector::linear(const Commanded& programmed, IndexedPosition rotary, const Stand& meant,
+                                    const Stand& there, const std::optional<PoseError>& known) const {
   const bool moved = !(rotary == programmed.rotary);
   const bool on = settings_.tcp == ToolCentrePoint::on;
-  const Stand there = stand(rotary);
   // Where tip and workpiece point are brought together: at the nominal place of the wanted point, the table at
   // `rotary`.
   Vector3d tip;
-  Vector3d nominal = programmed.xyz_mm;
   if (on) {
     tip = there.w_rotation * programmed.xyz_mm + there.w_origin;
   } else if (!moved) {
-    tip = nominal = tip_r(programmed, there);
+    tip = tip_r(programmed, there);
   } else {
-    const Stand meant = stand(programmed.rotary);
-    nominal = tip_r(programmed, meant);
+    const Vector3d nominal = tip_r(programmed, meant);
     tip = there.w_rotation * (meant.w_rotation.transpose() * (nominal - meant.w_origin)) + there.w_origin;
   }
   Linear result;
-  result.error = error_at(programmed, rotary, tip);
+  result.error = known ? *known : error_at(programmed, rotary, tip);
   const Vector3d deviation = rotation(result.error.rotation_rad) * tip - tip + result.error.translation_mm;
   result.deviation_mm = deviation.norm();
   result.tip_r_mm = tip + deviation;
@@ -263,6 +286,47 @@ Corrector::Linear Corrector::linear(const Commanded& programmed, IndexedPosition
     if (!moved) result.change_mm = deviation;
   }
   return result;
+}
+
+Corrector::Solved Corrector::solve(const Commanded& programmed, int tilt_decimals, int turn_decimals,
+                                   bool rotary_moves) const {
+  const Turns at = turns(programmed.rotary);
+  const Stand here = stand(at);
+  Solved solved;
+  solved.rotary = programmed.rotary;
+  solved.tilt_deg = {0, tilt_decimals};
+  solved.turn_deg = {0, turn_decimals};
+  if (!rotary_moves || settings_.orientation == Orientation::as_programmed) {
+    solved.linear = linear(programmed, solved.rotary, here, here, std::nullopt);
+    return solved;
+  }
+  const ErrorField::Slopes slopes =
+      field_.with_slopes(situation(programmed, programmed.rotary, tip_r(programmed, here)));
+  solved.turn = rotary(here, slopes);
+  if (!(std::abs(solved.turn.da.in_radians()) <= kAbsurdTurn_rad) ||
+      !(std::abs(solved.turn.dc.in_radians()) <= kAbsurdTurn_rad))
+    throw RangeError("the model gives no usable correction of the rotary axes here");
+  solved.tilt_deg = rounded(solved.turn.da.in_degrees(), tilt_decimals);
+  solved.turn_deg = rounded(solved.turn.dc.in_degrees(), turn_decimals);
+  const Angle da = Angle::degrees(solved.tilt_deg.value()), dc = Angle::degrees(solved.turn_deg.value());
+  if (solved.tilt_deg.mantissa != 0) solved.rotary.a = programmed.rotary.a + da;
+  if (solved.turn_deg.mantissa != 0) solved.rotary.c = programmed.rotary.c + dc;
+  // The table where the words send it: sines of sums.
+  Turns sent = at;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto [sine, cosine] = sine_cosine((i == chain_.tilt_index() ? da : dc).in_radians());
+    sent.sine[i] = at.sine[i] * cosine + at.cosine[i] * sine;
+    sent.cosine[i] = at.cosine[i] * cosine - at.sine[i] * sine;
+  }
+  std::optional<PoseError> error;
+  const double a = da.in_radians(), c = dc.in_radians();
+  if (slopes.smooth && std::abs(a) < kNear_rad && std::abs(c) < kNear_rad) {
+    error = slopes.error;
+    error->translation_mm += a * slopes.by_a.translation_mm + c * slopes.by_c.translation_mm;
+    error->rotation_rad += a * slopes.by_a.rotation_rad + c * slopes.by_c.rotation_rad;
+  }
+  solved.linear = linear(programmed, solved.rotary, here, stand(sent), error);
+  return solved;
 }
 
 Angle Corrector::tilt_error(const Commanded& programmed, IndexedPosition rotary) const {

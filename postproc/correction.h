@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "geometric_errors/pose_error.h"
 #include "kinematics/kinematic_chain.h"
 #include "model/situation.h"
+#include "postproc/number.h"
 
 namespace trunnion {
 
@@ -16,11 +18,12 @@ class ErrorField {
  public:
   virtual ~ErrorField() = default;
   virtual PoseError at(const Situation& situation) const = 0;
-  /// The same with the derivatives of its rotation by A and C; here by differences.
+  /// The same with its derivatives by A and C, per rad; here by differences.
   struct Slopes {
     PoseError error;
-    Eigen::Vector3d rotation_by_a;  ///< rad per rad
-    Eigen::Vector3d rotation_by_c;
+    PoseError by_a;
+    PoseError by_c;
+    bool smooth = false;  ///< so exact that the error half a milliradian off may be told by them
   };
   virtual Slopes with_slopes(const Situation& situation) const;
   /// The tilts that were measured. at() answers half a degree beyond them, for the correction's own step.
@@ -90,6 +93,16 @@ class Corrector {
   };
   Linear linear(const Commanded& programmed, IndexedPosition rotary) const;
 
+  /// Both for one place, the rotary axes rounded to the decimals of their words in deg: what writing a program asks for
+  /// line by line. With `rotary_moves` false the rotary axes stay as they are programmed.
+  struct Solved {
+    RotaryCorrection turn;
+    Decimal tilt_deg, turn_deg;  ///< to add to the words
+    IndexedPosition rotary;      ///< where they then stand
+    Linear linear;
+  };
+  Solved solve(const Commanded& programmed, int tilt_decimals, int turn_decimals, bool rotary_moves) const;
+
   /// The angle between the real tool axis at `rotary` and the one wanted at programmed.rotary.
   Angle tilt_error(const Commanded& programmed, IndexedPosition rotary) const;
   /// The distance in W between the real tip at `commanded` and the wanted one at `programmed`, mm.
@@ -102,7 +115,15 @@ class Corrector {
     Eigen::Vector3d w_origin, t_origin;
     Eigen::Vector3d lines[2];  // the joints' directions in R
   };
-  Stand stand(IndexedPosition position) const;
+  struct Turns {
+    double sine[2], cosine[2];  // of the joints' angles
+  };
+  Turns turns(IndexedPosition position) const;
+  Stand stand(const Turns& turns) const;
+  Stand stand(IndexedPosition position) const { return stand(turns(position)); }
+  RotaryCorrection rotary(const Stand& here, const ErrorField::Slopes& slopes) const;
+  Linear linear(const Commanded& programmed, IndexedPosition rotary, const Stand& meant, const Stand& there,
+                const std::optional<PoseError>& known) const;
   Eigen::Vector3d tip_w(const Commanded& programmed, const Stand& at) const;
   Eigen::Vector3d tip_r(const Commanded& programmed, const Stand& at) const;
   Situation situation(const Commanded& programmed, IndexedPosition position, const Eigen::Vector3d& tip_r_mm) const;
@@ -115,6 +136,7 @@ class Corrector {
   CorrectionSettings settings_;
   bool tool_side_ = false;
   Eigen::Matrix3d cross_[2], cross2_[2];  // of the joints' directions at zero, and squared
+  bool at_zero_[2];                       // the joint's line goes through R's origin
 };
 
 }  // namespace trunnion

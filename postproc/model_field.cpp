@@ -49,7 +49,7 @@ bool ModelField::bake(const KinematicChain& chain) {
 ErrorField::Slopes ModelField::with_slopes(const Situation& situation) const {
   if (!baked_) return ErrorField::with_slopes(situation);
   const PoseErrorSlopes slopes = baked_->with_slopes(situation.at);
-  return {slopes.error, slopes.by_a.rotation_rad, slopes.by_c.rotation_rad};
+  return {slopes.error, slopes.by_a, slopes.by_c, true};
 }
 
 PoseError ModelField::at(const Situation& situation) const {

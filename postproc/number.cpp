@@ -8,17 +8,26 @@
 namespace trunnion {
 namespace {
 
-constexpr std::array<std::int64_t, 19> kPowers = [] {
-  std::array<std::int64_t, 19> powers{};
-  std::int64_t power = 1;
-  for (std::size_t i = 0; i < powers.size(); ++i, power *= i < powers.size() ? 10 : 1) powers[i] = power;
-  return powers;
-}();
-
 constexpr std::int64_t kMostMantissa = 100'000'000'000'000'000;  // one digit more makes kMostDigits
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+constexpr std::array<char, 200> kTwoDigits = [] {
+  std::array<char, 200> digits{};
+  for (std::size_t i = 0; i < 100; ++i) {
+    digits[2 * i] = static_cast<char>('0' + i / 10);
+    digits[2 * i + 1] = static_cast<char>('0' + i % 10);
+  }
+  return digits;
+}();
+
+/// Before `at`, the two digits of a number below 100.
+char* two_digits(char* at, std::uint64_t number) {
+  *--at = kTwoDigits[2 * number + 1];
+  *--at = kTwoDigits[2 * number];
+  return at;
+}
 
 /// Both with the decimals of the finer.
 std::pair<Decimal, Decimal> aligned(Decimal a, Decimal b) {
@@ -29,16 +38,51 @@ std::pair<Decimal, Decimal> aligned(Decimal a, Decimal b) {
   return {a, b};
 }
 
-}  // namespace
-
-std::int64_t power_of_ten(int n) {
-  assert(n >= 0 && n < 19);
-  return kPowers[static_cast<std::size_t>(n)];
+/// Sign, digits, a point, digits, and nothing that could belong to them behind: nearly every number is that.
+bool scan_plain(std::string_view text, ScannedNumber& scanned) {
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const char* at = begin;
+  const bool negative = at != end && *at == '-';
+  const bool plus = at != end && *at == '+';
+  if (negative || plus) ++at;
+  std::uint64_t mantissa = 0;
+  const char* const whole = at;
+  for (unsigned digit; at != end && (digit = static_cast<unsigned>(*at - '0')) < 10; ++at)
+    mantissa = 10 * mantissa + digit;
+  const auto whole_digits = at - whole;
+  std::ptrdiff_t decimals = 0;
+  const bool point = at != end && *at == '.';
+  if (point) {
+    const char* const behind = ++at;
+    for (unsigned digit; at != end && (digit = static_cast<unsigned>(*at - '0')) < 10; ++at)
+      mantissa = 10 * mantissa + digit;
+    decimals = at - behind;
+  }
+  const auto digits = whole_digits + decimals;
+  if (digits == 0 || digits >= kMostDigits || decimals > kMostDecimals) return false;
+  // Digits may go on behind blanks.
+  if (at != end && is_blank(*at)) {
+    const char* next = at;
+    while (next != end && is_blank(*next)) ++next;
+    if (next != end && (is_digit(*next) || (*next == '.' && !point))) return false;
+  }
+  scanned.number = {negative ? -static_cast<std::int64_t>(mantissa) : static_cast<std::int64_t>(mantissa),
+                    static_cast<int>(decimals)};
+  scanned.style.plus = plus;
+  scanned.style.point = point;
+  scanned.style.leading_zero = whole_digits > 0;
+  scanned.style.decimals = static_cast<std::uint8_t>(decimals);
+  scanned.style.whole_digits = static_cast<std::uint8_t>(whole_digits > 1 && *whole == '0' ? whole_digits : 0);
+  scanned.length = static_cast<std::size_t>(at - begin);
+  return true;
 }
 
-double Decimal::value() const { return static_cast<double>(mantissa) / static_cast<double>(power_of_ten(decimals)); }
+}  // namespace
 
 std::optional<ScannedNumber> scan_number(std::string_view text) {
+  ScannedNumber plain;
+  if (scan_plain(text, plain)) return plain;
   const char* at = text.data();
   const char* const end = at + text.size();
   ScannedNumber scanned;
@@ -102,17 +146,10 @@ std::optional<ScannedNumber> scan_number(std::string_view text) {
   return scanned;
 }
 
-Decimal rounded(double value, int decimals) {
-  return {static_cast<std::int64_t>(std::llround(value * static_cast<double>(power_of_ten(decimals)))), decimals};
-}
-
-Decimal operator+(Decimal a, Decimal b) {
-  if (a.decimals == b.decimals) return {a.mantissa + b.mantissa, a.decimals};
+Decimal sum_of_unlike(Decimal a, Decimal b) {
   const auto [x, y] = aligned(a, b);
   return {x.mantissa + y.mantissa, x.decimals};
 }
-
-Decimal operator-(Decimal a, Decimal b) { return a + Decimal{-b.mantissa, b.decimals}; }
 
 void append_number(std::string& text, Decimal number, const NumberStyle& style) {
   std::uint64_t left = number.mantissa < 0 ? 0 - static_cast<std::uint64_t>(number.mantissa)
@@ -124,7 +161,9 @@ void append_number(std::string& text, Decimal number, const NumberStyle& style) 
   char* const end = buffer.data() + buffer.size();
   char* at = end;
   const bool zero = left == 0;
-  for (int i = 0; i < decimals; ++i, left /= 10) *--at = static_cast<char>('0' + left % 10);
+  int i = 0;
+  for (; i + 1 < decimals; i += 2, left /= 100) at = two_digits(at, left % 100);
+  if (i < decimals) *--at = static_cast<char>('0' + left % 10), left /= 10;
   if (decimals > 0 || style.point) *--at = style.comma ? ',' : '.';
   int whole = 0;
   for (; left != 0; left /= 10, ++whole) *--at = static_cast<char>('0' + left % 10);

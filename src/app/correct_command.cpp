@@ -11,7 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
+#include "app/compensated_field.h"
+#include "app/table_folder.h"
 #include "app/text_table.h"
+#include "compensation/verification.h"
 #include "error.h"
 #include "io/job_file.h"
 #include "io/json_text.h"
@@ -241,7 +244,12 @@ int run(const Options& o, const Talk& talk) {
       value = end;
     }
   ModelField field(model, job.covariates, stroke);
-  if (file_size(o.input) > kWorthBaking_bytes) field.bake(chain);
+  std::optional<CompensatedField> rest;
+  if (!job.tables.empty())
+    rest.emplace(field, chain, play_tables(files_in(job.tables), machine, model));
+  else if (file_size(o.input) > kWorthBaking_bytes)
+    field.bake(chain);
+  const ErrorField& errors = rest ? static_cast<const ErrorField&>(*rest) : field;
 
   ProgramCorrection how;
   how.dialect = o.dialect.empty() ? dialect_of(o.input, machine) : o.dialect;
@@ -270,7 +278,7 @@ int run(const Options& o, const Talk& talk) {
   settings.tool_length_mm = tool_length_mm(job, chain);
   CorrectionSettings without = settings;
   without.tcp = ToolCentrePoint::off;
-  const Corrector with_tcp(chain, field, settings), without_tcp(chain, field, without);
+  const Corrector with_tcp(chain, errors, settings), without_tcp(chain, errors, without);
 
   std::vector<std::string> inputs = {o.machine, o.model, o.input};
   if (!o.job.empty()) inputs.push_back(o.job);
@@ -290,6 +298,7 @@ int run(const Options& o, const Talk& talk) {
     played = play_back(program_file(o.input), program_file(output.written()), with_tcp, without_tcp, how, result);
   const double room_mm = how.guard.tolerance_mm + kRoundingRoom * std::pow(10.0, -o.decimals);
   nlohmann::json summary = summary_json(o, how, result, played);
+  summary["compensated_by"] = job.tables.empty() ? "nothing" : "tables";
   summary["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
   std::vector<std::string> evidence = {o.machine, o.model};  // not the program: it may be a stream, or huge
   if (!o.job.empty()) evidence.push_back(o.job);

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
+#include "app/table_folder.h"
 #include "app/text_table.h"
 #include "compensation/controller.h"
 #include "compensation/verification.h"
 #include "error.h"
 #include "io/machine_file.h"
-#include "io/text_file.h"
 #include "model/effects/rotary_error_map.h"
 #include "postproc/correction.h"
 #include "postproc/model_field.h"
@@ -54,17 +53,6 @@ std::vector<ToolPosition> recommanded(const CuttingSetup& setup, std::vector<Too
   }
   set_senses(path, setup.chain, setup.piece.tool.length);
   return path;
-}
-
-std::vector<TableFile> files_in(const std::string& folder) {
-  namespace fs = std::filesystem;
-  if (!fs::is_directory(folder)) throw InputError(folder, "a folder written by trunnion tables is wanted");
-  std::vector<TableFile> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      files.push_back({fs::relative(entry.path(), folder).generic_string(), read_text(entry.path().string())});
-  std::ranges::sort(files, {}, &TableFile::name);
-  return files;
 }
 
 }  // namespace

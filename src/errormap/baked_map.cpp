@@ -182,14 +182,27 @@ PoseErrorSlopes BakedMap::with_slopes(IndexedPosition position) const {
   const double* lower = nodes_.data() + p.i * c_nodes_ * kPerNode;
   const double* upper = lower + c_nodes_ * kPerNode;
   const std::size_t j = p.j * kPerNode, next = p.j_next * kPerNode;
-  const auto blended = [&](const std::array<double, 4>& wa, const std::array<double, 4>& wc) {
-    return blend(lower + j, lower + next, upper + j, upper + next, wa, wc);
+  const auto a = hermite(p.u), a_slope = hermite_slope(p.u), c = hermite(p.v), c_slope = hermite_slope(p.v);
+  // Along c first, for the values and u slopes of both sides; both weights of a then share them.
+  const auto along_c = [](const double* left, const double* right, const std::array<double, 4>& w, std::size_t k) {
+    return w[0] * left[k] + w[1] * left[k + 12] + w[2] * right[k] + w[3] * right[k + 12];
   };
-  const auto a = hermite(p.u), c = hermite(p.v);
+  Vector6d value, by_a, by_c;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double f0 = along_c(lower + j, lower + next, c, k), g0 = along_c(lower + j, lower + next, c, k + 6);
+    const double f1 = along_c(upper + j, upper + next, c, k), g1 = along_c(upper + j, upper + next, c, k + 6);
+    const double df0 = along_c(lower + j, lower + next, c_slope, k),
+                 dg0 = along_c(lower + j, lower + next, c_slope, k + 6);
+    const double df1 = along_c(upper + j, upper + next, c_slope, k),
+                 dg1 = along_c(upper + j, upper + next, c_slope, k + 6);
+    const Eigen::Index i = static_cast<Eigen::Index>(k);
+    value[i] = a[0] * f0 + a[1] * g0 + a[2] * f1 + a[3] * g1;
+    by_a[i] = a_slope[0] * f0 + a_slope[1] * g0 + a_slope[2] * f1 + a_slope[3] * g1;
+    by_c[i] = a[0] * df0 + a[1] * dg0 + a[2] * df1 + a[3] * dg1;
+  }
   const double per_rad_c = static_cast<double>(c_nodes_) * kTurnsPerRad;
-  return {PoseError::from_vector(blended(a, c)),
-          PoseError::from_vector(cells_per_rad_a_ * blended(hermite_slope(p.u), c)),
-          PoseError::from_vector(per_rad_c * blended(a, hermite_slope(p.v)))};
+  return {PoseError::from_vector(value), PoseError::from_vector(cells_per_rad_a_ * by_a),
+          PoseError::from_vector(per_rad_c * by_c)};
 }
 
 void BakedMap::deviations_mm(std::span<const double> a_rad, std::span<const double> c_rad,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "error.h"
@@ -68,10 +69,23 @@ Job parse_job(std::string_view text, const std::string& name) {
     }
   if (auto covariates = top.table("covariates"))
     for (const std::string& key : covariates->keys()) job.covariates[key] = *covariates->number(key);
+  const std::string compensated_by = top.text("compensated_by").value_or("nothing");
+  if (compensated_by != "nothing" && compensated_by != "tables")
+    top.fail("compensated_by", "\"" + compensated_by + "\" found, \"tables\" or \"nothing\" is wanted");
+  job.tables = top.text("tables").value_or("");
+  if ((compensated_by == "tables") == job.tables.empty())
+    top.fail("tables", job.tables.empty()
+                           ? "is missing: the folder of the tables that the control plays is wanted"
+                           : "tables that nothing plays; compensated_by = \"tables\" is wanted beside it");
   top.finish();
   return job;
 }
 
-Job read_job(const std::string& path) { return parse_job(read_text(path, kLargestJob_bytes), path); }
+Job read_job(const std::string& path) {
+  Job job = parse_job(read_text(path, kLargestJob_bytes), path);
+  // Told from where the job stands.
+  if (!job.tables.empty()) job.tables = (std::filesystem::path(path).parent_path() / job.tables).string();
+  return job;
+}
 
 }  // namespace trunnion

@@ -19,6 +19,7 @@ struct Job {
   std::map<std::string, std::array<double, 3>> work_offsets_mm;  ///< by code: "G54"
   std::map<int, JobTool> tools;                                  ///< by number: T1
   std::map<std::string, double> covariates;                      ///< for effects that need them
+  std::string tables;  ///< folder of the tables that the control plays already; empty: none
   friend bool operator==(const Job&, const Job&) = default;
 };
 

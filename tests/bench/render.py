@@ -6,9 +6,13 @@ import platform
 import sys
 
 GROUPS = {"machine": "The machine itself", "deviations": "Deviations at positions in no order, one core",
-          "baking": "Preparing"}
+          "baking": "Preparing",
+          "correct regular": "Correcting a regular program, file to file",
+          "correct irregular": "Correcting an irregular program, file to file"}
 # (group, the fast one, begins with; the other, begins with; wanted)
-RATIOS = [("deviations", "baked map", "scipy", 10)]
+RATIOS = [("deviations", "baked map", "scipy", 10),
+          ("correct regular", "trunnion correct, two threads", "rs274", 12),
+          ("correct irregular", "trunnion correct, two threads", "rs274", 6)]
 # (group, begins with, items a second wanted)
 WANTED = [("deviations", "baked map", 1e7)]
 KNOWN = {"name", "run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations", "real_time",
