@@ -116,6 +116,12 @@ CorrectionCounts& CorrectionCounts::operator+=(const CorrectionCounts& other) {
 CorrectionGuard guard_of(const Machine& machine) {
   CorrectionGuard guard;
   guard.limits = machine.limits;
+  const auto limit = [&](const char* key, double otherwise) {
+    const auto found = machine.profile.find(key);
+    return found == machine.profile.end() ? otherwise : std::get<double>(found->second);
+  };
+  guard.change = Length::micrometres(limit("limits.change_um", guard.change.in_micrometres()));
+  guard.rotary_change = Angle::degrees(limit("limits.change_deg", guard.rotary_change.in_degrees()));
   const std::array<char, kAxes> letters = {'X', 'Y', 'Z', machine.tilt_letter(), 'C'};
   for (std::size_t i = 0; i < kAxes; ++i) {
     const Axis& axis = machine.axes.at(letters[i]);
@@ -267,6 +273,21 @@ void ChunkWriter::check(const AxisValues& at, const Solution& solution) const {
       throw RangeError(std::string(1, letters_[i]) + " would go to " + text_of(place, 4) + (i < 3 ? " mm" : " deg") +
                        ", its stroke is " + text_of(guard_.stroke[i]->first, 4) + " ... " +
                        text_of(guard_.stroke[i]->second, 4));
+  }
+}
+
+/// The correction's jump from one block to the next: a model that leaps would leave a mark on the part.
+void ChunkWriter::check_change(const Solution& before, const Solution& now) const {
+  const double change = (now.linear.change_mm - before.linear.change_mm).norm();
+  if (change > guard_.change.in_millimetres())
+    throw RangeError("the correction changes by " + text_of(change * 1e3, 1) +
+                     " um from the block before, limits.change_um is " + text_of(guard_.change.in_micrometres(), 3));
+  for (const std::size_t i : {kTilt, kTurn}) {
+    const double turn = std::abs((now.ticks[i] - before.ticks[i]).value());
+    if (turn > guard_.rotary_change.in_degrees())
+      throw RangeError(std::string("the correction of ") + letters_[i] + " changes by " + text_of(turn, 4) +
+                       " deg from the block before, limits.change_deg is " +
+                       text_of(guard_.rotary_change.in_degrees(), 4));
   }
 }
 
@@ -483,6 +504,7 @@ void ChunkWriter::correct(const MotionBlock& block) {
   Solution end;
   solve(block, block.target, end);
   check(block.target, end);
+  if (block.kind == BlockKind::feed && block.from_known && last_) check_change(*last_, end);
   Pen pen{.before = ticks_before(block), .last_place = &block.from};
   pen.last = pen.before;
   NewFeed feed;

@@ -33,6 +33,8 @@ struct CorrectionCounts {
 /// The machine's bounds on what may be corrected.
 struct CorrectionGuard {
   CorrectionLimits limits;
+  Length change = Length::micrometres(200);   ///< of the position's correction from one block at feed to the next
+  Angle rotary_change = Angle::degrees(0.1);  ///< of A's and C's likewise
   std::array<std::optional<std::pair<double, double>>, kAxes> stroke;  ///< mm and deg, lowest and highest
   double tolerance_mm = 0.0002;                                        ///< of the tip between end points
   double tolerance_rad = 2e-6;                                         ///< of the tool axis between end points
@@ -121,6 +123,7 @@ class ChunkWriter {
   void solve(const MotionBlock& block, const AxisValues& at, Solution& solution) const;
   Solution solved(const MotionBlock& block, const AxisValues& at) const;
   void check(const AxisValues& at, const Solution& solution) const;
+  void check_change(const Solution& before, const Solution& now) const;
   double tilt_left_rad(const MotionBlock& block, const Commanded& wanted, const Commanded& sent) const;
   bool holds_between(const MotionBlock& block, const Solution& from, double from_part, const Solution& to,
                      double to_part, double& tip_mm, double& tilt_rad) const;

@@ -118,6 +118,9 @@ Machine parse_machine(std::string_view text, const std::string& name) {
         Angle::microradians(limits->positive("correction_urad", machine.limits.tilt.in_microradians()));
     machine.limits.rotary_word =
         Angle::degrees(limits->positive("correction_C_deg", machine.limits.rotary_word.in_degrees()));
+    // What of them only programs meet stands beside the control's facts.
+    for (const char* key : {"change_um", "change_deg"})
+      if (limits->number(key)) machine.profile[std::string("limits.") + key] = limits->positive(key, 1);
     limits->finish();
   }
   if (auto volume = top.table("work_volume")) {

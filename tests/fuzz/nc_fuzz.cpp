@@ -38,11 +38,11 @@ OpenProgram opened(const std::string& text) {
   };
 }
 
-struct Dialect {
+struct Beginning {
   const char* name;
   const char* head;  // all axes known
 };
-const Dialect kDialects[] = {
+const Beginning kDialects[] = {
     {"linuxcnc", "G0X1Y2Z3A-4C5\n"},
     {"fanuc", "G21G90\nG0A-4.C5.\nG43.4H1X1.Y2.Z3.\n"},
     {"sinumerik", "TRAORI\nG0 X1 Y2 Z3 A=-4 C=5\n"},
@@ -84,7 +84,7 @@ std::string corrected(const std::string& program, const Field& field, const std:
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
   const bool tcp = (data[0] & 1) != 0, keep_going = (data[0] & 2) != 0;
-  const Dialect& dialect = kDialects[(data[0] >> 2) & 3];
+  const Beginning& dialect = kDialects[(data[0] >> 2) & 3];
   const std::string program = dialect.head + std::string(data + 1, data + size);
   const std::size_t chunk = 16 + (data[0] >> 4);
   static const Field none(0), some(1);

@@ -233,6 +233,16 @@ TEST(ProgramCorrection, KeepsWithinLimitsAndStrokes) {
   EXPECT_EQ(shop.refusal("G0 X1 Y1 Z1 A0 C0\nA-121\n"), "part.ngc:2: A-121: outside the probed range -120 ... 120 deg");
 }
 
+TEST(ProgramCorrection, RefusesACorrectionThatLeaps) {
+  const std::string program = "G0 X10 Y20 Z30 A-40 C0\nG1 X12 A-60 C90 F100\n";
+  Shop shop;
+  shop.how.guard.change = Length::micrometres(2);
+  EXPECT_THAT(shop.refusal(program), HasSubstr("part.ngc:2: the correction changes by "));
+  shop.how.guard.change = Length::micrometres(200);
+  shop.how.guard.rotary_change = Angle::degrees(1e-4);
+  EXPECT_THAT(shop.refusal(program), HasSubstr("deg from the block before, limits.change_deg is 0.0001"));
+}
+
 TEST(ProgramCorrection, KeepsGoingWhenAsked) {
   Shop shop;
   shop.how.scan.keep_going = true;

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""The command correct beside what golden and rejected cases can hold.
+
+    correct_test.py PROGRAM SOURCE_DIR
+
+- A job that says compensated_by = "tables": only what the tables leave is corrected.
+- A dialect is told by the program, and the report says what was done.
+- After a refusal nothing stands in the folder; with --keep-going the rest is corrected and the exit status is 1.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+PROGRAM, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+MACHINE = SOURCE / "machines/seed-trunnion.toml"
+MODEL = SOURCE / "tests/golden/shared/model.json"
+
+
+def run(folder, *arguments):
+    return subprocess.run([str(a) for a in (PROGRAM,) + arguments], cwd=folder, capture_output=True, text=True,
+                          check=False, timeout=300)
+
+
+def correct(folder, program, job, *more):
+    result = run(folder, "correct", "--machine", MACHINE, "--model", MODEL, "--job", job, program, "-o", "out.nc",
+                 "--report", "report.json", *more)
+    report = folder / "report.json"
+    return result, json.loads(report.read_text()) if report.exists() else None
+
+
+def check(said, found):
+    if not said:
+        sys.exit(f"wrong: {found}")
+
+
+def compensated_by_tables(folder):
+    program = SOURCE / "samples/programs/impeller.ngc"
+    tables = run(folder, "tables", "--machine", MACHINE, "--model", MODEL, "--controller", "linuxcnc", "-o", "tables")
+    check((folder / "tables/verification.json").exists(), tables.stderr)
+    (folder / "plain.toml").write_text("[work_offsets_mm]\nG54 = [0, 0, 0]\n")
+    (folder / "played.toml").write_text('compensated_by = "tables"\ntables = "tables"\n[work_offsets_mm]\nG54 = [0, 0, 0]\n')
+    _, plain = correct(folder, program, "plain.toml")
+    result, played = correct(folder, program, "played.toml")
+    check(played is not None, result.stderr)
+    before, left = plain["playback"]["before"], played["playback"]["before"]
+    check(left["position_max_um"] < 0.2 * before["position_max_um"], (before, left))
+    check(played["playback"]["after"]["position_max_um"] < 0.4, played["playback"]["after"])
+    check(played["compensated_by"] == "tables" and plain["compensated_by"] == "nothing", "compensated_by")
+    (folder / "half.toml").write_text('compensated_by = "tables"\n')
+    refused = run(folder, "correct", "--machine", MACHINE, "--model", MODEL, "--job", "half.toml", program, "-o", "x.nc")
+    check(refused.returncode == 2 and "tables is missing" in refused.stderr.replace(": ", " "), refused.stderr)
+
+
+def dialects(folder):
+    (folder / "job.toml").write_text("[work_offsets_mm]\nG54 = [0, 0, 0]\n")
+    for end, dialect in (("h", "heidenhain"), ("mpf", "sinumerik"), ("nc", "fanuc"), ("ngc", "linuxcnc")):
+        result, report = correct(folder, SOURCE / f"samples/programs/turbine_blade.{end}", "job.toml")
+        check(result.returncode == 0 and report["dialect"] == dialect, result.stderr)
+        check(report["playback"]["after"]["position_max_um"] < 0.4, report["playback"]["after"])
+        check(report["playback"]["before"]["position_max_um"] > 1, report["playback"]["before"])
+
+
+def refusals(folder):
+    (folder / "job.toml").write_text("[work_offsets_mm]\nG54 = [0, 0, 0]\n")
+    (folder / "bad.nc").write_text("%\nO1\nG21 G90\nG43.4 H1\nG0 X10. Y0. Z50. A-30. C10.\nG1 X12. F500.\nG81 Z-5. R2.\n"
+                                   "G0 X10. Y0. Z50. A-30. C20.\nG1 X14. F500.\nM30\n%\n")
+    result, _ = correct(folder, "bad.nc", "job.toml")
+    check(result.returncode == 1 and "bad.nc:7: G81" in result.stderr, result.stderr)
+    check(sorted(p.name for p in folder.iterdir()) == ["bad.nc", "job.toml"], "files were written")
+    result, report = correct(folder, "bad.nc", "job.toml", "--keep-going")
+    check(result.returncode == 1 and "bad.nc:7: copied uncorrected" in result.stderr, result.stderr)
+    check([r["line"] for r in report["refused"]] == [7], report["refused"])
+    text = (folder / "out.nc").read_text()
+    check("\nG81 Z-5. R2.\n" in text and "X14. " not in text, text)
+
+
+def main():
+    for case in (dialects, refusals, compensated_by_tables):
+        with tempfile.TemporaryDirectory() as name:
+            case(pathlib.Path(name))
+    print("correct: 3 cases passed")
+
+
+main()
