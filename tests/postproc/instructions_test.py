@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 
-LIMITS = {"regular": 11500, "irregular": 40000}
+LIMITS = {"regular": 14500, "irregular": 55000}
 SHORT, LONG = 100_000, 130_000  # long enough for the map to be baked
 
 
