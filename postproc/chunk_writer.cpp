@@ -293,6 +293,8 @@ void ChunkWriter::check_change(const Solution& before, const Solution& now) cons
 
 /// What of the tool axis a block's own correction misses; not what damping leaves.
 double ChunkWriter::tilt_left_rad(const MotionBlock& block, const Commanded& wanted, const Commanded& sent) const {
+  // Where the rotary axes stand, their correction does.
+  if (block.from_known && turn_deg(block.from, block.target) == 0) return 0;
   const Corrector& judge = corrector(block);
   return (judge.tilt_error(wanted, sent.rotary) - judge.rotary(wanted).residual).in_radians();
 }

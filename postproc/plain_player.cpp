@@ -51,10 +51,9 @@ std::array<double, 2> descended_to_axis(const ScanSettings& settings, const Vect
   const double near = std::isnan(turn_deg) ? 0 : turn_deg;
   std::array<double, 2> best = {std::nan(""), std::nan("")};
   double least = 1e300;
-  for (int i = 0; i < 60; ++i) {
-    double tilt = (i % 2 == 0 ? -1 : 1) * (5.0 + 15 * (i / 2 % 5)), turn = near + 60.0 * (i / 10);
-    if (i == 0 && !std::isnan(tilt_deg)) tilt = tilt_deg;
-    for (int k = 0; k < 60; ++k) {
+  // Down to the axis from a start; counts the ways found, of which there are two but where the tool stands upright.
+  const auto descend = [&](double tilt, double turn) {
+    for (int k = 0; k < 40; ++k) {
       const Vector3d miss = axis_at(tilt, turn) - axis_w;
       if (miss.norm() < 1e-14) break;
       const Vector3d by_tilt = (axis_at(tilt + step, turn) - axis_at(tilt - step, turn)) / (2 * step);
@@ -62,19 +61,27 @@ std::array<double, 2> descended_to_axis(const ScanSettings& settings, const Vect
       const double aa = by_tilt.dot(by_tilt), ac = by_tilt.dot(by_turn), cc = by_turn.dot(by_turn) + 1e-16;
       const double det = aa * cc - ac * ac, ga = by_tilt.dot(miss), gc = by_turn.dot(miss);
       if (!(std::abs(det) > 1e-30)) break;
-      tilt -= std::remainder((cc * ga - ac * gc) / det, 90);
-      turn -= std::remainder((aa * gc - ac * ga) / det, 90);
+      const double to_tilt = (cc * ga - ac * gc) / det, to_turn = (aa * gc - ac * ga) / det;
+      tilt -= std::remainder(to_tilt, 90);
+      turn -= std::remainder(to_turn, 90);
+      if (std::abs(to_tilt) + std::abs(to_turn) < 1e-10) break;
     }
-    if ((axis_at(tilt, turn) - axis_w).norm() > 1e-9) continue;
+    if (!((axis_at(tilt, turn) - axis_w).norm() < 1e-9)) return false;
     tilt = std::remainder(tilt, 360);
     turn += 360 * std::round((near - turn) / 360);
     const auto& stroke = settings.tilt_stroke_deg;
-    if (stroke && (tilt < stroke->first - 1e-3 || tilt > stroke->second + 1e-3)) continue;
+    if (stroke && (tilt < stroke->first - 1e-3 || tilt > stroke->second + 1e-3)) return true;
     const double away = std::abs(turn - near) + (std::isnan(tilt_deg) ? 0 : std::abs(tilt - tilt_deg));
-    if (away >= least - 1e-6) continue;
-    least = away;
-    best = {tilt, turn};
-  }
+    if (away < least - 1e-6) {
+      least = away;
+      best = {tilt, turn};
+    }
+    return true;
+  };
+  if (!std::isnan(tilt_deg) && !std::isnan(turn_deg) && std::abs(tilt_deg) <= 90 && descend(tilt_deg, turn_deg) &&
+      descend(-best[0], best[1] + 180) && !std::isnan(best[0]))
+    return best;
+  for (int i = 0; i < 24; ++i) descend((i % 2 == 0 ? -1 : 1) * (5.0 + 25 * (i / 2 % 4)), near + 120.0 * (i / 8));
   return best;
 }
 
