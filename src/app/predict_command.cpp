@@ -52,7 +52,7 @@ class Prediction {
         cutting_({machine_, model_, piece_, chain_, job_, o_.program.empty()}),
         brep_(brep_module()) {
     if (o_.filter_upr > 0) evaluation_.filter_upr = o_.filter_upr;
-    if (!o_.measured.empty()) measured_ = read_measured_piece(o_.measured, piece_);
+    if (!o_.measured.empty()) measured_ = traces_of(read_measured_piece(o_.measured, piece_), piece_);
   }
 
   int run() {

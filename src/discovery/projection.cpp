@@ -37,6 +37,9 @@ FreePoseProjection::FreePoseProjection(const ProjectionInput& input) : used_(inp
   rows_.resize(problem.poses.size());
   double count = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
+    // The points of a piece share no pose: free poses would explain each of them by itself.
+    if (problem.poses[problem.readings[static_cast<std::size_t>(i)].pose].moving)
+      used_[static_cast<std::size_t>(i)] = false;
     if (!used_[static_cast<std::size_t>(i)]) continue;
     ++count;
     const Reading& reading = problem.readings[static_cast<std::size_t>(i)];

@@ -163,6 +163,8 @@ FreePoseFit fit_free_poses(const LinearProblem& problem, const std::vector<bool>
   if (problem.has_pose_kind)
     throw ModelError(
         "poses seen by an instrument leave free pose errors undetermined; only a smooth map can be fitted to them");
+  if (!problem.poses.empty() && problem.poses.back().moving)
+    throw ModelError("the points of a piece share no pose error; only a smooth map can be fitted to them");
   const Blocks b = assemble(problem, used);
   std::vector<double> value(problem.readings.size());
   for (std::size_t i = 0; i < value.size(); ++i) value[i] = problem.readings[i].value;

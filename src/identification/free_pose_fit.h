@@ -38,7 +38,7 @@ struct FreePoseFit {
 /// first, then the Schur complement of the unknowns. `used[i]` tells whether reading i takes part (empty: all do).
 /// Exact to second order: the solution is iterated on nonlinear_excess_mm. The shared noise of the reference readings
 /// is in the covariance as it is. Throws ModelError for a problem with pose readings, whose mounts leave free poses
-/// undetermined.
+/// undetermined, or with the points of a piece, which share no pose.
 FreePoseFit fit_free_poses(const LinearProblem& problem, const std::vector<bool>& used = {});
 
 /// The paper's two steps: each pose by itself from differences to the reference readings (Eq. 6-9); the covariance is

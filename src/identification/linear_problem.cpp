@@ -1,5 +1,6 @@
 #include "identification/linear_problem.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 #include <unordered_map>
@@ -41,6 +42,7 @@ class Builder {
     }
     if (problem_.has_pose_kind) mounting_ = mounting ? *mounting : fit_pose_mounting(set_, *problem_.chain);
     if (contact_seen) find_spots();
+    if (!set_.cuts.empty()) find_set_up();
     for (std::size_t r = 0; r < set_.rows.size(); ++r) add(r);
     return std::move(problem_);
   }
@@ -103,6 +105,8 @@ class Builder {
         return add_rotation(r);
       case ReadingKind::pose:
         return add_pose(r);
+      case ReadingKind::surface:
+        return add_surface(r);
       case ReadingKind::none:
         break;
     }
@@ -191,6 +195,53 @@ class Builder {
     }
   }
 
+  using SetUp = Eigen::Matrix<double, 7, 1>;
+
+  static Vector6d surface_functional(const Observation& row) {
+    Vector6d functional;
+    functional << row.direction, row.position_mm.cross(row.direction);
+    return functional;
+  }
+
+  /// What a displacement of the piece in W (mm, and rotations at a lever of 100 mm) and its size do to a row.
+  SetUp set_up_row(const Observation& row) const {
+    SetUp v;
+    v << adjoint(problem_.chain->r_from_w(row.at)).transpose() * surface_functional(row), 1;
+    v.segment<3>(3) /= 100;
+    return v;
+  }
+
+  /// A body of revolution does not show all of its set-up: only what it shows becomes an unknown, as columns square to
+  /// one another of root mean square 1.
+  void find_set_up() {
+    constexpr double kShown = 1e-8;  // of the largest eigenvalue
+    Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Zero();
+    double count = 0;
+    for (const Observation& row : set_.rows) {
+      if (row.kind != ReadingKind::surface) continue;
+      normal += set_up_row(row) * set_up_row(row).transpose();
+      ++count;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 7, 7>> eigen(normal / std::max(1.0, count));
+    for (Eigen::Index k = 6; k >= 0; --k) {
+      const double square = eigen.eigenvalues()[k];
+      if (square <= kShown * eigen.eigenvalues()[6]) break;
+      set_up_.push_back(eigen.eigenvectors().col(k) / std::sqrt(square));
+      set_up_unknown_.push_back(name_unknown("set-up and size of the piece, " + std::to_string(7 - k)));
+    }
+  }
+
+  void add_surface(std::size_t r) {
+    const Observation& row = set_.rows[r];
+    Reading reading = begin(r, length_sigma(row), false);
+    reading.value = row.value;
+    reading.functional = surface_functional(row);
+    const SetUp shown = set_up_row(row);
+    for (std::size_t k = 0; k < set_up_.size(); ++k)
+      problem_.terms.emplace_back(set_up_unknown_[k], set_up_[k].dot(shown));
+    finish(reading);
+  }
+
   const ObservationSet& set_;
   const Machine& machine_;
   LinearProblem problem_;
@@ -198,6 +249,8 @@ class Builder {
   std::vector<Spot> spots_;
   std::unordered_map<std::uint32_t, std::uint32_t> balls_, zeros_;
   std::vector<std::uint32_t> mounts_;
+  std::vector<SetUp> set_up_;
+  std::vector<std::uint32_t> set_up_unknown_;
   PoseMounting mounting_;
 };
 

@@ -17,7 +17,9 @@ namespace trunnion {
 ///   value = functional . Delta + sum coefficient * unknown + noise      (value: mm or rad, observed minus nominal)
 /// contact: n . (p - R q_k) with [n, p x n] and the spot's offset s_k (Ibaraki, Iritani & Matsushita 2010, Eq. 7);
 /// displacement: the same with the ball's three constants; rotation: [0, m] and the artifact's zero; pose: six rows,
-/// taken at the target's origin, with the twelve constants of the instrument's and the target's mounting.
+/// taken at the target's origin, with the twelve constants of the instrument's and the target's mounting; surface: the
+/// same as displacement along the inward normal, with the piece's rigid set-up and its size, as far as its shape tells
+/// them apart.
 struct Reading {
   std::uint32_t row = 0;   ///< of the observation set
   std::uint32_t pose = 0;  ///< index into LinearProblem::poses

@@ -51,7 +51,11 @@ std::vector<std::vector<SplitNode>> split_rows(const PoseGrid& grid, const std::
 
 std::size_t PoseGrid::missing() const { return static_cast<std::size_t>(std::ranges::count(pose_at, -1)); }
 
-PoseGrid find_grid(const std::vector<PoseGroup>& poses) {
+PoseGrid find_grid(const std::vector<PoseGroup>& all) {
+  // Stretches of a path are no stations, unless there is nothing else; they come last.
+  std::vector<PoseGroup> poses;
+  for (const PoseGroup& pose : all)
+    if (!pose.moving || all.front().moving) poses.push_back(pose);
   std::vector<double> a, c;
   for (const PoseGroup& pose : poses) {
     a.push_back(pose.at.a.in_degrees());

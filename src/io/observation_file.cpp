@@ -219,6 +219,7 @@ class Parser {
         row.orientation = orientation.normalized();
         break;
       }
+      case ReadingKind::surface:
       case ReadingKind::none:
         break;
     }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <optional>
 
 #include "error.h"
 #include "io/csv.h"
@@ -166,7 +166,7 @@ std::string piece_text(const TestPiece& piece) {
   return text + "[evaluate]\nheights_mm = [" + heights + "]\npoints = " + std::to_string(piece.points) + "\n";
 }
 
-std::vector<ConeTrace> parse_measured_piece(std::string_view text, const std::string& name, const TestPiece& piece) {
+MeasuredPiece parse_measured_piece(std::string_view text, const std::string& name, const TestPiece& piece) {
   CsvReader csv(text, name);
   const auto column = [&](const char* wanted) {
     const auto found = csv.find(wanted);
@@ -174,34 +174,45 @@ std::vector<ConeTrace> parse_measured_piece(std::string_view text, const std::st
     return *found;
   };
   const std::size_t phi = column("phi_deg"), h = column("h_mm"), deviation = column("deviation_um");
-  std::map<double, ConeTrace> traces;
+  const std::optional<std::size_t> sigma = csv.find("sigma_um");
+  MeasuredPiece measured{.file = name};
+  std::vector<std::size_t> further;
+  for (std::size_t k = 0; k < csv.header().size(); ++k) {
+    if (k == phi || k == h || k == deviation || k == sigma) continue;
+    further.push_back(k);
+    measured.columns.push_back(csv.header()[k]);
+  }
   std::vector<std::string_view> fields;
   while (csv.next(fields)) {
-    const double height = csv.number(fields[h], h);
-    if (height < 0 || height > piece.cone.height.in_millimetres())
+    MeasuredPoint point{.line = static_cast<std::uint32_t>(csv.line()),
+                        .phi = Angle::degrees(csv.number(fields[phi], phi)),
+                        .h = Length::millimetres(csv.number(fields[h], h)),
+                        .deviation_mm = Length::micrometres(csv.number(fields[deviation], deviation)).in_millimetres()};
+    if (point.h < Length() || point.h > piece.cone.height)
       throw InputError(name, csv.line(),
-                       "h_mm: " + plain(height) + " found, 0 to the piece's height of " +
+                       "h_mm: " + plain(point.h.in_millimetres()) + " found, 0 to the piece's height of " +
                            plain(piece.cone.height.in_millimetres()) + " mm is wanted");
-    ConeTrace& trace = traces[height];
-    trace.h_mm = height;
-    trace.nominal_radius_mm = radius_at(piece.cone, Length::millimetres(height)).in_millimetres();
-    trace.phi_rad.push_back(Angle::degrees(csv.number(fields[phi], phi)).in_radians());
-    trace.normal_mm.push_back(Length::micrometres(csv.number(fields[deviation], deviation)).in_millimetres());
+    if (sigma) {
+      point.sigma_mm = Length::micrometres(csv.number(fields[*sigma], *sigma)).in_millimetres();
+      if (point.sigma_mm <= 0)
+        throw InputError(name, csv.line(),
+                         "sigma_um: " + std::string(fields[*sigma]) + " found, a number above 0 is wanted");
+    }
+    for (const std::size_t k : further) measured.values.push_back(csv.number(fields[k], k));
+    measured.points.push_back(point);
   }
-  if (traces.empty()) throw InputError(name, "no measured points");
-  std::vector<ConeTrace> list;
-  for (auto& [height, trace] : traces) {
+  if (measured.points.empty()) throw InputError(name, "no measured points");
+  for (const ConeTrace& trace : traces_of(measured, piece)) {
     try {
       least_squares_circle(radial_trace(trace, piece.cone.half_angle));
     } catch (const InputError& e) {
-      throw InputError(name, "h_mm = " + plain(height) + ": " + e.what());
+      throw InputError(name, "h_mm = " + plain(trace.h_mm) + ": " + e.what());
     }
-    list.push_back(std::move(trace));
   }
-  return list;
+  return measured;
 }
 
-std::vector<ConeTrace> read_measured_piece(const std::string& path, const TestPiece& piece) {
+MeasuredPiece read_measured_piece(const std::string& path, const TestPiece& piece) {
   return parse_measured_piece(read_text(path), path, piece);
 }
 

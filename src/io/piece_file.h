@@ -2,10 +2,8 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "testpiece/cone_evaluation.h"
-#include "testpiece/cone_frustum.h"
+#include "testpiece/measured_piece.h"
 
 namespace trunnion {
 
@@ -19,9 +17,9 @@ TestPiece parse_piece(std::string_view text, const std::string& name);
 /// The text of a piece's file.
 std::string piece_text(const TestPiece& piece);
 
-/// A measured piece (CSV: phi_deg, h_mm, deviation_um): one trace per height, in the order of the heights. Throws
-/// InputError with file, line and column; also for a trace that does not go round.
-std::vector<ConeTrace> read_measured_piece(const std::string& path, const TestPiece& piece);
-std::vector<ConeTrace> parse_measured_piece(std::string_view text, const std::string& name, const TestPiece& piece);
+/// A measured piece (CSV: phi_deg, h_mm, deviation_um; sigma_um of a point, and further numeric columns, where there
+/// are any). Throws InputError with file, line and column; also for a trace that does not go round.
+MeasuredPiece read_measured_piece(const std::string& path, const TestPiece& piece);
+MeasuredPiece parse_measured_piece(std::string_view text, const std::string& name, const TestPiece& piece);
 
 }  // namespace trunnion

@@ -10,8 +10,9 @@
 
 namespace trunnion {
 
-/// What kind of reading is being taken in a situation; none while cutting or evaluating.
-enum class ReadingKind { none, contact, displacement, rotation, pose };
+/// What kind of reading is being taken in a situation; none while cutting or evaluating. A point of a measured piece
+/// (surface) was read elsewhere: its situation is the moment at which it was cut, and has none.
+enum class ReadingKind { none, contact, displacement, rotation, pose, surface };
 
 /// Named numeric columns that a data file carries beyond the known ones.
 struct ExtraColumns {

@@ -15,31 +15,31 @@ using Eigen::Vector3d;
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-[[noreturn]] void refuse_uncut(const SurfaceGrid& surface, std::size_t index) {
-  const double phi = surface.phi_rad[index % surface.phi_rad.size()] * 360 / kTurn;
-  const double h = surface.h_mm[index / surface.phi_rad.size()];
-  throw RangeError("the path never cuts the surface at phi " + std::to_string(phi) + " deg, h " + std::to_string(h) +
-                   " mm");
+[[noreturn]] void refuse_uncut(const TestPiece& piece, const ConePoint& on) {
+  const Vector3d in_cone = w_from_cone(piece.cone).inverse(Eigen::Isometry) * on.point_w_mm;
+  const double phi = std::atan2(in_cone.y(), in_cone.x()) * 360 / kTurn;
+  throw RangeError("the path never cuts the surface at phi " + std::to_string(phi < -1e-9 ? phi + 360 : phi) +
+                   " deg, h " + std::to_string(in_cone.z()) + " mm");
 }
 
-/// What cuts each evaluated point first.
-std::vector<FirstEntry> first_cuts(const TestPiece& piece, const SurfaceGrid& surface,
+/// What cuts each point first.
+std::vector<FirstEntry> first_cuts(const TestPiece& piece, std::span<const ConePoint> points,
                                    std::vector<ToolInWorkpiece> tools, unsigned threads) {
   double reach = 0;
   for (const ToolInWorkpiece& tool : tools)
     reach = std::max(reach, (tool.tip_w_mm - piece.cone.base_center_w_mm).norm());
   reach += piece.cone.height.in_millimetres() + piece.cone.base_diameter.in_millimetres();
-  double depth = piece.tool.diameter.in_millimetres() / 2;
-  for (const double h : surface.h_mm)
-    depth = std::min(depth, radius_at(piece.cone, Length::millimetres(h)).in_millimetres() / 2);
+  // Not so deep that the far side of the piece counts.
+  const double depth =
+      0.5 * std::min(piece.tool.diameter.in_millimetres(), radius_at(piece.cone, piece.cone.height).in_millimetres());
 
   std::vector<SurfaceRay> rays;
-  rays.reserve(surface.points.size());
-  for (const ConePoint& on : surface.points) rays.push_back({on.point_w_mm, on.normal_w});
+  rays.reserve(points.size());
+  for (const ConePoint& on : points) rays.push_back({on.point_w_mm, on.normal_w});
   const CutEnvelope envelope(std::move(tools), solid_of(piece.tool), reach);
   std::vector<FirstEntry> entries = envelope.first_entries(rays, depth, threads);
   for (std::size_t i = 0; i < entries.size(); ++i)
-    if (!std::isfinite(entries[i].entry_mm)) refuse_uncut(surface, i);
+    if (!std::isfinite(entries[i].entry_mm)) refuse_uncut(piece, points[i]);
   return entries;
 }
 
@@ -105,34 +105,32 @@ std::vector<double> first_order_deviation_mm(const TestPiece& piece, const Surfa
     }
   }
   for (std::size_t i = 0; i < deviation.size(); ++i)
-    if (!std::isfinite(deviation[i])) refuse_uncut(surface, i);
+    if (!std::isfinite(deviation[i])) refuse_uncut(piece, surface.points[i]);
   return deviation;
 }
 
 std::vector<double> envelope_deviation_mm(const TestPiece& piece, const SurfaceGrid& surface,
                                           std::vector<ToolInWorkpiece> tools, unsigned threads) {
   std::vector<double> deviation;
-  for (const FirstEntry& first : first_cuts(piece, surface, std::move(tools), threads))
+  for (const FirstEntry& first : first_cuts(piece, surface.points, std::move(tools), threads))
     deviation.push_back(first.entry_mm);
   return deviation;
 }
 
-std::vector<CutPoint> cut_points(const TestPiece& piece, const SurfaceGrid& surface, std::span<const ToolPosition> path,
-                                 const KinematicChain& chain, unsigned threads) {
-  std::vector<ToolInWorkpiece> tools;
-  tools.reserve(path.size());
-  for (const ToolPosition& p : path) tools.push_back(p.nominal);
-  const std::vector<FirstEntry> first = first_cuts(piece, surface, std::move(tools), threads);
-  std::vector<CutPoint> points;
-  points.reserve(first.size());
+std::vector<CutPoint> cut_points(const TestPiece& piece, std::span<const ConePoint> points,
+                                 std::span<const ToolPosition> path, const KinematicChain& chain, unsigned threads) {
+  const std::vector<FirstEntry> first =
+      first_cuts(piece, points, actual_tools(path, chain, Model{}, piece.tool.length, {}, threads), threads);
+  std::vector<CutPoint> cut;
+  cut.reserve(first.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     const Eigen::Isometry3d r_from_w = chain.r_from_w(path[first[i].position].at);
-    CutPoint point{first[i].position, r_from_w * surface.points[i].point_w_mm,
-                   r_from_w.linear() * surface.points[i].normal_w};
+    CutPoint point{first[i].position, first[i].entry_mm, r_from_w * points[i].point_w_mm,
+                   r_from_w.linear() * points[i].normal_w};
     point.by_error << -point.normal_r, -point.point_r_mm.cross(point.normal_r);
-    points.push_back(point);
+    cut.push_back(point);
   }
-  return points;
+  return cut;
 }
 
 std::vector<ConeTrace> traces_of(const TestPiece& piece, const SurfaceGrid& surface,

@@ -41,18 +41,19 @@ std::vector<double> first_order_deviation_mm(const TestPiece& piece, const Surfa
 std::vector<double> envelope_deviation_mm(const TestPiece& piece, const SurfaceGrid& surface,
                                           std::vector<ToolInWorkpiece> tools, unsigned threads = 0);
 
-/// An evaluated point at the moment when it is meant to be cut, and what a small error e of the workpiece against the
-/// tool does to it then, to first order:
-///   deviation = by_error . e,   by_error = -[n, p x n]      (e = (D, theta) at R's origin, p and n in R).
+/// A point of the nominal surface at the moment when it is meant to be cut, and what a small error e of the workpiece
+/// against the tool does to it then, to first order:
+///   deviation = commanded + by_error . e,   by_error = -[n, p x n]      (e = (D, theta) at R's origin, p and n in R).
 struct CutPoint {
-  std::size_t position = 0;  ///< of the path that cuts it, by the nominal tools
+  std::size_t position = 0;  ///< of the path that cuts it, as commanded
+  double commanded_mm = 0;   ///< what the commands alone leave there; nothing on a path of the piece's own
   Eigen::Vector3d point_r_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_r = Eigen::Vector3d::Zero();
   Vector6d by_error = Vector6d::Zero();
 };
-/// In the order of `surface.points`. Throws RangeError where nothing cuts.
-std::vector<CutPoint> cut_points(const TestPiece& piece, const SurfaceGrid& surface, std::span<const ToolPosition> path,
-                                 const KinematicChain& chain, unsigned threads = 0);
+/// In the order of `points`. Throws RangeError where nothing cuts.
+std::vector<CutPoint> cut_points(const TestPiece& piece, std::span<const ConePoint> points,
+                                 std::span<const ToolPosition> path, const KinematicChain& chain, unsigned threads = 0);
 
 /// The deviations as traces to evaluate.
 std::vector<ConeTrace> traces_of(const TestPiece& piece, const SurfaceGrid& surface,

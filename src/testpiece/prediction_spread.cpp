@@ -84,7 +84,7 @@ Eigen::VectorXd filtered(const TestPiece& piece, const SurfaceGrid& surface, con
 DeviationSpread::DeviationSpread(const TestPiece& piece, const SurfaceGrid& surface, std::span<const ToolPosition> path,
                                  const KinematicChain& chain, const Model& model, const Situation& known)
     : piece_(piece), surface_(surface) {
-  const std::vector<CutPoint> points = cut_points(piece, surface, path, chain);
+  const std::vector<CutPoint> points = cut_points(piece, surface.points, path, chain);
   const auto rows = static_cast<Eigen::Index>(points.size());
   columns_.resize(rows, 0);
   for (const EffectPtr& effect : model.effects) {

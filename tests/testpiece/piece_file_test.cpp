@@ -108,7 +108,7 @@ const std::string kTrace = [] {
 
 TEST(MeasuredPieceFile, GivesOneTraceAHeight) {
   const TestPiece piece = parse_piece(kPiece, "p.toml");
-  const std::vector<ConeTrace> traces = parse_measured_piece(kTrace, "t.csv", piece);
+  const std::vector<ConeTrace> traces = traces_of(parse_measured_piece(kTrace, "t.csv", piece), piece);
   ASSERT_EQ(traces.size(), 2U);
   EXPECT_EQ(traces[0].h_mm, 2);
   EXPECT_NEAR(traces[0].nominal_radius_mm, 40 - 2 * std::tan(piece.cone.half_angle.in_radians()), 1e-12);
