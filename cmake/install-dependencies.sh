@@ -7,6 +7,7 @@
 #   linuxcnc   the LinuxCNC interpreter, simulator and headers, against which programs and tables are tested
 #   browser    headless Chromium, for the tests of the report
 #   postgres   PostgreSQL's client and server: the history of a plant, and its test
+#   fleet      GNU parallel, and a Slurm that a test starts: the fleet on a workstation and on a cluster
 #   package    what cpack needs for the Debian package
 #   readers    FreeCAD, in which the STEP of a predicted piece is opened
 #   develop    clang, its tools and sanitizer run-times, valgrind: presets tidy and fuzz
@@ -22,11 +23,12 @@ packages_of() {
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     browser) echo chromium nodejs npm ;;
     postgres) echo libpq-dev postgresql ;;
+    fleet) echo parallel slurmctld slurmd slurm-client munge ;;
     package) echo dpkg-dev file ;;
     readers) echo freecad-python3 freecad-common ;;
     develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind ;;
     *)
-      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, postgres, package, readers, develop" >&2
+      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, postgres, fleet, package, readers, develop" >&2
       return 2
       ;;
   esac

@@ -39,5 +39,6 @@ Command predict_command(CLI::App& program, const Talk& talk);
 Command correct_command(CLI::App& program, const Talk& talk);
 Command close_command(CLI::App& program, const Talk& talk);
 Command history_command(CLI::App& program, const Talk& talk);
+Command batch_command(CLI::App& program, const Talk& talk);
 
 }  // namespace trunnion

@@ -85,6 +85,7 @@ int run(int argc, char** argv) {
            close_command,
            tables_command,
            history_command,
+           batch_command,
        })
     commands.push_back(add(program, talk));
   for (const Command& command : commands) add_talk(*command.options, talk);

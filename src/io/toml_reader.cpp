@@ -96,6 +96,28 @@ std::optional<TomlReader> TomlReader::table(const std::string& key) {
   return TomlReader(*found->as_table(), file_, full(key));
 }
 
+std::vector<std::string> TomlReader::texts(const std::string& key) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return {};
+  const std::string wanted = " found, a list of texts is wanted";
+  if (!found->is_array()) fail(key, shown(*found) + wanted);
+  std::vector<std::string> all;
+  for (const toml::node& entry : *found->as_array()) {
+    if (!entry.is_string()) fail(key, shown(*found) + wanted);
+    all.push_back(entry.as_string()->get());
+  }
+  return all;
+}
+
+std::vector<TomlReader> TomlReader::tables(const std::string& key) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return {};
+  if (!found->is_array_of_tables()) fail(key, "[[" + full(key) + "]] is wanted");
+  std::vector<TomlReader> all;
+  for (const toml::node& entry : *found->as_array()) all.emplace_back(*entry.as_table(), file_, full(key));
+  return all;
+}
+
 std::vector<std::string> TomlReader::keys() {
   std::vector<std::string> names;
   for (const auto& [key, value] : table_) names.emplace_back(key.str());

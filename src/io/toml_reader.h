@@ -29,7 +29,11 @@ class TomlReader {
   std::optional<std::vector<double>> numbers(const std::string& key, std::size_t count);
   /// [low, high] with low < high.
   std::optional<std::pair<double, double>> range(const std::string& key);
+  /// A list of texts; empty if there is none.
+  std::vector<std::string> texts(const std::string& key);
   std::optional<TomlReader> table(const std::string& key);
+  /// The tables [[key]], in the order of the file.
+  std::vector<TomlReader> tables(const std::string& key);
   /// The names of all keys, for tables whose keys are free; they count as known.
   std::vector<std::string> keys();
   const toml::node* node(const std::string& key);
