@@ -11,6 +11,7 @@ namespace trunnion {
 /// What the search for missing effects may do.
 struct ClosureOptions {
   double level = 0.01;          ///< family-wise, over all columns scanned
+  double flip_level = 0.03;     ///< family-wise, where whole poses change their signs
   double smooth_level = 0.001;  ///< chi-square below which the smooth fallback opens
   int most_effects = 4;
   int folds = 5;  ///< of poses, where there is no verification
@@ -27,16 +28,26 @@ struct ClosureStage {
   double holdout_rms_um = 0;  ///< over hold-out poses alone; meaningless without any
 };
 
+/// A catalogue effect that does nearly what an accepted one does.
+struct Alternative {
+  std::string id;
+  double correlation = 0;     ///< share of the fitted effect that it can take over, outside the base
+  double log_likelihood = 0;  ///< by which it is behind the accepted one, each at its price
+};
+
 /// One accepted effect with its evidence.
 struct AcceptedEffect {
-  EffectPtr effect;     ///< with final values and covariance
-  bool smooth = false;  ///< found by the fallback, not named by the catalogue
-  double p_value = 1;   ///< family-wise
+  EffectPtr effect;       ///< with final values and covariance
+  bool smooth = false;    ///< found by the fallback, not named by the catalogue
+  double largest_um = 0;  ///< of what it does to a reading (rotations at 100 mm)
+  double p_value = 1;     ///< family-wise
   double visible_fraction = 0;
   bool rigid_within_poses = false;  ///< only the smooth base shows it: this effect, or a more complex map
   double rms_before_um = 0, rms_after_um = 0, holdout_before_um = 0, holdout_after_um = 0;
-  std::vector<std::string> not_separable_from;
+  std::vector<Alternative> alternatives;        ///< the likeliest first
+  std::vector<std::string> not_separable_from;  ///< those that do the same, or are as likely
   std::vector<std::string> partly_separable_from;
+  std::vector<std::string> needs;  ///< covariates that a correction has to be told: time, temperature, extra columns
   std::string separate_by;
   bool absurd = false;  ///< a magnitude that no sound machine has
 };
@@ -55,7 +66,8 @@ struct ClosureResult {
   std::vector<AcceptedEffect> effects;
   std::vector<std::string> refused;  ///< what was tried and failed a gate, in words
   std::vector<Untestable> untestable;
-  Model model;  ///< the extended model: map, effects of the machine and of the measurement
+  Model model;       ///< the extended model: map, effects of the machine and of the measurement
+  Model bare_model;  ///< the same data's map without them
   std::size_t columns_scanned = 0;
   std::vector<std::size_t> outliers;                    ///< readings left out
   LinearProblem problem;                                ///< all readings, calibration first

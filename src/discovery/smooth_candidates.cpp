@@ -1,10 +1,10 @@
 #include "discovery/smooth_candidates.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "discovery/process_gain.h"
 #include "model/effects/smooth.h"
 
 namespace trunnion {
@@ -39,35 +39,6 @@ std::vector<Covariate> covariates(const LinearProblem& problem, const CandidateS
   return found;
 }
 
-/// Gain in restricted log likelihood of a process with columns Z (unit prior), over its amplitude:
-///   -1/2 log det(I + a G) + 1/2 b' (I/a + G)^-1 b,   G = Z' P Z, b = Z' P y, noise as declared.
-struct AmplitudeGain {
-  double gain = 0;
-  double amplitude = 0;  ///< standard deviation of the process, in units of a column
-};
-AmplitudeGain best_amplitude(const Projection& base, const Eigen::MatrixXd& z) {
-  const Eigen::MatrixXd gram = z.transpose() * base.apply(z);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (gram + gram.transpose()));
-  const Eigen::VectorXd b = eigen.eigenvectors().transpose() * (z.transpose() * base.residual());
-  AmplitudeGain best;
-  for (double log_amplitude = std::log(1e-5); log_amplitude < std::log(0.2); log_amplitude += 0.25) {
-    const double a = std::exp(2 * log_amplitude);
-    double gain = 0;
-    for (Eigen::Index k = 0; k < b.size(); ++k) {
-      const double g = std::max(0.0, eigen.eigenvalues()[k]);
-      gain += -0.5 * std::log1p(a * g) + 0.5 * b[k] * b[k] * a / (1 + a * g);
-    }
-    if (gain > best.gain) best = {gain, std::exp(log_amplitude)};
-  }
-  return best;
-}
-
-struct Tried {
-  std::shared_ptr<const SmoothTerm> term;
-  AmplitudeGain amplitude;
-  std::vector<std::size_t> covariates;
-};
-
 Eigen::MatrixXd unit_prior_columns(const LinearProblem& problem, const SmoothTerm& term) {
   const Eigen::VectorXd root = term.prior_variances().cwiseSqrt();
   Eigen::MatrixXd z(static_cast<Eigen::Index>(problem.readings.size()), root.size());
@@ -80,67 +51,102 @@ Eigen::MatrixXd unit_prior_columns(const LinearProblem& problem, const SmoothTer
   return z;
 }
 
+constexpr SmoothDirection kDirections[] = {SmoothDirection::x,       SmoothDirection::y,       SmoothDirection::z,
+                                           SmoothDirection::table_x, SmoothDirection::table_y, SmoothDirection::table_z,
+                                           SmoothDirection::approach};
+constexpr double kFirstScale = 0.15;  // of the range: between the finest and the coarsest
+constexpr std::size_t kFollowed = 24, kLeading = 4, kLeadingDirections = 3;
+constexpr double kSecondCovariate = 4;  // log likelihood that a second covariate must bring
+
+struct Trial {
+  std::shared_ptr<const SmoothTerm> term;
+  ProcessGain process;
+  std::vector<std::size_t> covariates;
+  double scale = 0;  ///< of the range
+};
+
+/// Tries smooth terms against one base: each covariate and direction at one scale, the best of them at all scales, and
+/// products of those that do best alone.
+class Trials {
+ public:
+  Trials(const LinearProblem& problem, const Projection& base, const CandidateScope& scope)
+      : problem_(problem), base_(base), scope_(scope), covariates_(covariates(problem, scope)) {}
+
+  const std::vector<Trial>& run() {
+    for (std::size_t k = 0; k < covariates_.size(); ++k)
+      for (const SmoothDirection direction : kDirections) attempt({k}, direction, kFirstScale);
+    sort();
+    const std::vector<Trial> first(tried_.begin(),
+                                   tried_.begin() + static_cast<std::ptrdiff_t>(std::min(kFollowed, tried_.size())));
+    for (const Trial& t : first)
+      for (const double scale : {0.01, 0.04, 0.4, 1.0})
+        if (scale >= 0.1 || covariates_[t.covariates[0]].fine) attempt(t.covariates, t.term->direction(), scale);
+    sort();
+    products();
+    sort();
+    return tried_;
+  }
+
+ private:
+  void attempt(std::vector<std::size_t> which, SmoothDirection direction, double scale) {
+    std::vector<SmoothAxis> axes;
+    for (const std::size_t k : which) {
+      const Covariate& c = covariates_[k];
+      axes.push_back({c.column, c.low, c.high, scale * (c.high - c.low)});
+    }
+    const auto term = make_smooth(std::move(axes), direction, scope_.context);
+    tried_.push_back({term, best_process_gain(base_, unit_prior_columns(problem_, *term)), std::move(which), scale});
+  }
+
+  void products() {
+    std::vector<std::size_t> leading;
+    std::vector<SmoothDirection> directions;
+    for (const Trial& t : tried_) {
+      if (leading.size() < kLeading && std::ranges::find(leading, t.covariates[0]) == leading.end())
+        leading.push_back(t.covariates[0]);
+      if (directions.size() < kLeadingDirections &&
+          std::ranges::find(directions, t.term->direction()) == directions.end())
+        directions.push_back(t.term->direction());
+    }
+    for (std::size_t i = 0; i < leading.size(); ++i)
+      for (std::size_t j = i + 1; j < leading.size(); ++j)
+        for (const SmoothDirection direction : directions) attempt({leading[i], leading[j]}, direction, 0.4);
+  }
+
+  void sort() {
+    std::ranges::stable_sort(tried_, std::greater<>{}, [](const Trial& t) { return t.process.gain; });
+  }
+
+  const LinearProblem& problem_;
+  const Projection& base_;
+  const CandidateScope& scope_;
+  std::vector<Covariate> covariates_;
+  std::vector<Trial> tried_;
+};
+
 }  // namespace
 
 std::optional<SmoothCandidate> best_smooth_candidate(const LinearProblem& problem, const Projection& base,
                                                      const CandidateScope& scope, double level) {
-  const std::vector<Covariate> columns = covariates(problem, scope);
-  constexpr SmoothDirection kDirections[] = {
-      SmoothDirection::x,       SmoothDirection::y,       SmoothDirection::z,       SmoothDirection::table_x,
-      SmoothDirection::table_y, SmoothDirection::table_z, SmoothDirection::approach};
-  std::vector<Tried> tried;
-  const auto try_term = [&](std::vector<SmoothAxis> axes, SmoothDirection direction, std::vector<std::size_t> which) {
-    const auto term = make_smooth(std::move(axes), direction, scope.context);
-    tried.push_back({term, best_amplitude(base, unit_prior_columns(problem, *term)), std::move(which)});
-  };
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const Covariate& c = columns[k];
-    std::vector<double> scales = {0.15, 0.4, 1};
-    if (c.fine) scales.insert(scales.begin(), 0.04);
-    for (const double scale : scales)
-      for (const SmoothDirection direction : kDirections)
-        try_term({{c.column, c.low, c.high, scale * (c.high - c.low)}}, direction, {k});
-  }
+  Trials trials(problem, base, scope);
+  const std::vector<Trial>& tried = trials.run();
   if (tried.empty()) return std::nullopt;
-  const auto better = [](const Tried& a, const Tried& b) { return a.amplitude.gain > b.amplitude.gain; };
-  std::ranges::sort(tried, better);
-  // Products of the covariates that do best alone, along the directions that do best.
-  std::vector<std::size_t> leading;
-  std::vector<SmoothDirection> directions;
-  for (const Tried& t : tried) {
-    if (leading.size() < 4 && std::ranges::find(leading, t.covariates[0]) == leading.end())
-      leading.push_back(t.covariates[0]);
-    if (directions.size() < 3 && std::ranges::find(directions, t.term->direction()) == directions.end())
-      directions.push_back(t.term->direction());
-  }
-  const double best_single = tried.front().amplitude.gain;
-  for (std::size_t i = 0; i < leading.size(); ++i)
-    for (std::size_t j = i + 1; j < leading.size(); ++j)
-      for (const SmoothDirection direction : directions) {
-        const Covariate &a = columns[leading[i]], &b = columns[leading[j]];
-        try_term({{a.column, a.low, a.high, 0.4 * (a.high - a.low)}, {b.column, b.low, b.high, 0.4 * (b.high - b.low)}},
-                 direction, {leading[i], leading[j]});
-      }
-  std::ranges::sort(tried, better);
-  const Tried* best = &tried.front();
+  const auto single = std::ranges::find_if(tried, [](const Trial& t) { return t.covariates.size() == 1; });
+  const Trial* best = &tried.front();
   // Two covariates only where one will not do.
-  if (best->covariates.size() == 2 && best->amplitude.gain < best_single + 4)
-    for (const Tried& t : tried)
-      if (t.covariates.size() == 1) {
-        best = &t;
-        break;
-      }
+  if (best->covariates.size() == 2 && best->process.gain < single->process.gain + kSecondCovariate) best = &*single;
   // The largest of many gains under noise alone has an exponential tail: 3.6 at 5 % for sixty terms tried.
   const double threshold = 3.6 + std::log(0.05 / level) + std::log(static_cast<double>(tried.size()) / 60);
-  if (best->amplitude.gain < threshold) return std::nullopt;
+  if (best->process.gain < threshold) return std::nullopt;
   SmoothCandidate found;
-  const Eigen::VectorXd root = best->amplitude.amplitude * best->term->prior_variances().cwiseSqrt();
+  const Eigen::VectorXd root = best->process.amplitude * best->term->prior_variances().cwiseSqrt();
   found.candidate.effect = best->term;
-  found.candidate.columns = best->amplitude.amplitude * unit_prior_columns(problem, *best->term);
+  found.candidate.columns = best->process.amplitude * unit_prior_columns(problem, *best->term);
   found.candidate.scale = root;
   found.candidate.precision = Eigen::VectorXd::Ones(root.size());
-  found.log_likelihood = best->amplitude.gain;
-  found.p_value = std::min(1.0, level * std::exp(threshold - best->amplitude.gain));
+  found.candidate.members = static_cast<double>(tried.size());
+  found.log_likelihood = best->process.gain - std::log(static_cast<double>(tried.size()));
+  found.p_value = std::min(1.0, level * std::exp(threshold - best->process.gain));
   return found;
 }
 

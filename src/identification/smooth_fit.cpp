@@ -234,11 +234,17 @@ SmoothDesign smooth_design(const LinearProblem& problem, const HarmonicBasis& ba
   const auto n = static_cast<Eigen::Index>(problem.readings.size());
   design.columns.resize(n, whitener.column_scale().size());
   for (Eigen::Index i = 0; i < n; ++i) design.columns.row(i) = whitener.row(i);
-  const Eigen::VectorXd variance = prior_variances(problem, basis, prior);
-  design.precision = Eigen::VectorXd::Zero(design.columns.cols());
-  for (Eigen::Index k = 0; k < variance.size(); ++k)
-    design.precision[k] = coefficient_scale(k) * coefficient_scale(k) / variance[k];
+  design.precision = smooth_precision(problem, basis, prior);
   return design;
+}
+
+Eigen::VectorXd smooth_precision(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior) {
+  const Eigen::VectorXd variance = prior_variances(problem, basis, prior);
+  Eigen::VectorXd precision =
+      Eigen::VectorXd::Zero(variance.size() + static_cast<Eigen::Index>(problem.unknowns.size()));
+  for (Eigen::Index k = 0; k < variance.size(); ++k)
+    precision[k] = coefficient_scale(k) * coefficient_scale(k) / variance[k];
+  return precision;
 }
 
 Matrix6Xd gauged_basis(const KinematicChain& chain, const HarmonicBasis& basis, const Situation& s) {

@@ -77,6 +77,8 @@ struct SmoothDesign {
   Eigen::VectorXd precision;
 };
 SmoothDesign smooth_design(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior);
+/// The precision alone: the columns do not depend on the prior.
+Eigen::VectorXd smooth_precision(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothPrior& prior);
 
 /// The 6 x m derivative of the pose error at `situation` by the coefficients of a HarmonicSurface, gauged at the
 /// reference pose.

@@ -1,0 +1,32 @@
+#include "discovery/process_gain.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace trunnion {
+
+ProcessGain best_process_gain(const Projection& base, const Eigen::MatrixXd& z) {
+  const Eigen::MatrixXd used = base.mask().asDiagonal() * z, reduced = base.reduced(z);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(z.cols(), z.cols());
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(used.transpose());
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(reduced.transpose(), -1);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const Eigen::ArrayXd g = eigen.eigenvalues().array().max(0);
+  const Eigen::ArrayXd b2 = (eigen.eigenvectors().transpose() * (z.transpose() * base.residual())).array().square();
+  const auto gain_at = [&](double log_amplitude) {
+    const double a = std::exp(2 * log_amplitude);
+    return 0.5 * (b2 * a / (1 + a * g) - (1 + a * g).log()).sum();
+  };
+  ProcessGain best;
+  double at = 0;
+  for (double log_amplitude = std::log(1e-5); log_amplitude < std::log(0.2); log_amplitude += 0.5)
+    if (const double gain = gain_at(log_amplitude); gain > best.gain) best.gain = gain, at = log_amplitude;
+  if (best.gain <= 0) return best;
+  for (double step = 0.25; step > 0.05; step /= 2)
+    for (const double there : {at - step, at + step})
+      if (const double gain = gain_at(there); gain > best.gain) best.gain = gain, at = there;
+  best.amplitude = std::exp(at);
+  return best;
+}
+
+}  // namespace trunnion
