@@ -38,7 +38,7 @@ const Controller& controller_named(const std::string& name) {
 std::string model_fingerprint(const Model& model) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const EffectPtr& effect : model.effects) {
-    if (effect->origin() != Origin::machine) continue;
+    if (!effect->is_compensated()) continue;
     for (const char letter : effect->to_json().dump()) {
       hash ^= static_cast<unsigned char>(letter);
       hash *= 0x100000001b3U;

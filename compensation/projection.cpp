@@ -50,7 +50,7 @@ PoseError rotary_part(const CompensationTask& task, IndexedPosition at, int tilt
   s.turn_sense = turn_sense;
   PoseError sum;
   for (const EffectPtr& effect : task.model.effects)
-    if (effect->origin() == Origin::machine && !asks_for_linear(*effect)) sum += effect->at(s);
+    if (effect->is_compensated() && !asks_for_linear(*effect)) sum += effect->at(s);
   return sum;
 }
 
@@ -63,7 +63,7 @@ std::vector<LinearPart> linear_parts(const CompensationTask& task, double step_m
     LinearPart part{.axis = static_cast<char>('X' + k)};
     std::vector<EffectPtr> effects;
     for (const EffectPtr& effect : task.model.effects)
-      if (effect->origin() == Origin::machine && asks_for(*effect, part.axis)) effects.push_back(effect);
+      if (effect->is_compensated() && asks_for(*effect, part.axis)) effects.push_back(effect);
     if (effects.empty()) continue;
     part.stations_mm = even_nodes(ranges[k].low.in_millimetres(), ranges[k].high.in_millimetres(), step_mm);
     part.table.assign(part.stations_mm.size(), Vector6d::Zero());

@@ -107,7 +107,7 @@ std::vector<Situation> pose_sample(const WorkingVolume& volume, const Model& mod
 
 bool depends_on(const Model& model, const std::string& column) {
   return std::ranges::any_of(model.effects, [&](const EffectPtr& effect) {
-    return effect->origin() == Origin::machine && std::ranges::count(effect->depends_on(), column) > 0;
+    return effect->is_compensated() && std::ranges::count(effect->depends_on(), column) > 0;
   });
 }
 

@@ -24,7 +24,7 @@ ModelField::ModelField(const Model& model, const std::map<std::string, double>& 
 bool ModelField::bake(const KinematicChain& chain) {
   if (chain.has_rotary(Side::tool)) return false;
   for (const EffectPtr& effect : model_.effects) {
-    if (effect->origin() != Origin::machine) continue;
+    if (!effect->is_compensated()) continue;
     for (const std::string& column : effect->depends_on())
       if (column != "A_deg" && column != "B_deg" && column != "C_deg" && column != "time_s" &&
           column != "temperature_C" && std::ranges::find(names_, column) == names_.end())

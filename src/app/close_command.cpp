@@ -4,8 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
+#include "app/map_change.h"
 #include "app/text_table.h"
 #include "discovery/closure.h"
+#include "error.h"
 #include "io/closure_file.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
@@ -27,6 +29,29 @@ std::string joined_words(const std::vector<std::string>& words) {
   return text;
 }
 
+/// What a correction makes of an effect, in words.
+std::string what_becomes_of(const AcceptedEffect& e) {
+  if (e.effect->origin() == Origin::measurement)
+    return "of the measurement: it cleans the map, and is never compensated";
+  if (!e.effect->is_compensated())
+    return "of the machine, unless it is one of the measurement: not compensated until these are told apart";
+  if (!e.needs.empty())
+    return "of the machine: compensated where a job tells " + joined_words(e.needs) + ", left over elsewhere";
+  return "of the machine: compensated";
+}
+
+std::string corner_text(const std::vector<CornerChange>& changes) {
+  std::string text =
+      "\nAt the corners of the working volume, um: the rotary maps change by, all that is compensated by\n";
+  std::vector<std::vector<std::string>> rows = {{"X Y Z, mm", "maps rms", "largest", "all rms", "largest"}};
+  for (const CornerChange& c : changes)
+    rows.push_back(
+        {formatted("%.0f", c.corner_mm.x()) + formatted(" %.0f", c.corner_mm.y()) + formatted(" %.0f", c.corner_mm.z()),
+         formatted("%.2f", c.map_rms), formatted("%.2f", c.map_max), formatted("%.2f", c.model_rms),
+         formatted("%.2f", c.model_max)});
+  return text + text_table(rows);
+}
+
 std::string summary(const ClosureResult& r) {
   std::string text = "Verdict: " + std::string(verdict_text(r.verdict)) + ".\n";
   text += std::to_string(r.problem.readings.size()) + " readings at " + std::to_string(r.problem.poses.size()) +
@@ -40,14 +65,11 @@ std::string summary(const ClosureResult& r) {
                   formatted("%.3f", r.before.holdout_rms_um), formatted("%.3f", r.after.holdout_rms_um), "um"});
   text += text_table(rows);
   for (const AcceptedEffect& e : r.effects) {
-    text += "\n" + e.effect->id() +
-            (e.effect->origin() == Origin::machine ? " (of the machine, will be compensated)"
-                                                   : " (of the measurement, never compensated)") +
-            "\n";
+    text += "\n" + e.effect->id() + "\n";
     text += "  " +
             (e.smooth ? std::string("a smooth effect that no family of the catalogue explains")
                       : std::string(family_of(e.effect->id()).what)) +
-            "; depends on " + joined_words(e.effect->depends_on()) + "\n";
+            "; depends on " + joined_words(e.effect->depends_on()) + "\n  " + what_becomes_of(e) + "\n";
     if (!e.smooth) {
       rows.clear();
       for (std::size_t k = 0; k < e.effect->parameters().size(); ++k) {
@@ -63,8 +85,11 @@ std::string summary(const ClosureResult& r) {
             {"  " + p.name, formatted("%.4g", to_unit(p.value, p.unit)), std::string(unit_text(p.unit).text)});
       text += text_table(rows);
     }
-    text += formatted("  family-wise p %.1e", e.p_value) + formatted(", visible fraction %.2f", e.visible_fraction) +
-            formatted("; poses kept back %.3f", e.holdout_before_um) + formatted(" -> %.3f um\n", e.holdout_after_um);
+    text += (e.p_value < 1e-16 ? "  family-wise p below 1e-16" : formatted("  family-wise p %.1e", e.p_value)) +
+            formatted(", visible fraction %.2f", e.visible_fraction) +
+            formatted(", up to %.2f um in a reading", e.largest_um) +
+            formatted("\n  residual rms %.3f", e.rms_before_um) + formatted(" -> %.3f um", e.rms_after_um) +
+            formatted(", poses kept back %.3f", e.holdout_before_um) + formatted(" -> %.3f um\n", e.holdout_after_um);
     if (!e.not_separable_from.empty())
       text += "  these data cannot tell it from: " + joined_words(e.not_separable_from) +
               "\n  to separate: " + e.separate_by + "\n";
@@ -99,6 +124,13 @@ int run(const Options& o, const Talk& talk) {
   const nlohmann::json provenance = provenance_json(inputs);
   nlohmann::json closure = closure_json(result);
   closure["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
+  std::vector<CornerChange> changes;
+  if (!result.effects.empty()) try {
+      changes = change_at_corners(result.bare_model, result.model, working_volume(machine, result.model));
+      closure["map_change"] = map_change_json(changes, machine.tilt_letter());
+    } catch (const RangeError& e) {
+      talk.warn(std::string(e.what()) + "; the change of the map at the corners is left out");
+    }
   closure.update(provenance);
   nlohmann::json fit = {{"method", "closure"},
                         {"verdict", closure["verdict"]},
@@ -115,7 +147,7 @@ int run(const Options& o, const Talk& talk) {
   folder.add("model.json", model_text(result.model));
   folder.add("residuals.csv", residual_csv(result, machine.tilt_letter()));
   folder.commit();
-  talk.show(summary(result));
+  talk.show(summary(result) + (changes.empty() ? "" : corner_text(changes)));
   if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
   talk.say("wrote " + o.output + "/closure.json, model.json, residuals.csv");
   return 0;

@@ -111,7 +111,7 @@ struct Evaluated {
 Evaluated evaluated(const Model& model, const Situation& s, const CsvReader& csv) try {
   PoseError table, relative;
   for (const EffectPtr& effect : model.effects) {
-    if (effect->origin() != Origin::machine) continue;
+    if (!effect->is_compensated()) continue;
     const PoseError error = effect->at(s);
     relative += error;
     if (effect->moves_table()) table += error;

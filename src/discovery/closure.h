@@ -31,6 +31,7 @@ struct ClosureStage {
 /// A catalogue effect that does nearly what an accepted one does.
 struct Alternative {
   std::string id;
+  Origin origin = Origin::machine;
   double correlation = 0;     ///< share of the fitted effect that it can take over, outside the base
   double log_likelihood = 0;  ///< by which it is behind the accepted one, each at its price
 };

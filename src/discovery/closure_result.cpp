@@ -96,7 +96,8 @@ std::vector<Alternative> alternatives(const Workbench& bench, const Screen& scre
     if (behind < kWorthRefining && !other.effect->shape().empty())
       behind =
           log_likelihood - evidence(score(base, refined(bench.problem(), base, other).columns), base, other.members);
-    const auto [at, added] = best.try_emplace(id, Alternative{id, std::min(1.0, correlation), behind});
+    const auto [at, added] =
+        best.try_emplace(id, Alternative{id, other.effect->origin(), std::min(1.0, correlation), behind});
     if (added) continue;
     at->second.correlation = std::max(at->second.correlation, std::min(1.0, correlation));
     at->second.log_likelihood = std::min(at->second.log_likelihood, behind);
@@ -122,6 +123,17 @@ void describe_confounding(AcceptedEffect& found, const Workbench& bench, const S
     found.separate_by = family_of(found.smooth ? found.not_separable_from.front() : found.effect->id()).remedy;
   else if (found.rigid_within_poses && !found.smooth)
     found.separate_by = std::string(family_of(found.effect->id()).remedy);
+}
+
+/// An effect of the machine is set aside where one of the measurement explains the readings as well: to compensate what
+/// the machine does not do would double it.
+void suspend_if_undecided(ClosureResult& result, std::size_t k) {
+  AcceptedEffect& found = result.effects[k];
+  if (found.effect->origin() != Origin::machine) return;
+  const bool undecided = std::ranges::any_of(found.alternatives, [](const Alternative& a) {
+    return a.origin == Origin::measurement && a.log_likelihood < kAsLikely;
+  });
+  if (undecided) found.effect = result.model.effects[k + 1] = found.effect->suspended();  // the map comes first
 }
 
 void list_untestable(ClosureResult& result, const Workbench& bench, const Screen& screen) {
@@ -182,7 +194,10 @@ void conclude(ClosureResult& result, Workbench& bench, const Screen& screen, con
   result.bare_model = model_of(bench.problem(), before, machine);
   result.model = model_of(bench.problem(), after, machine);
   fill_values(result, bench, after);
-  for (std::size_t k = 0; k < bench.accepted.size(); ++k) describe_confounding(result.effects[k], bench, screen, k);
+  for (std::size_t k = 0; k < bench.accepted.size(); ++k) {
+    describe_confounding(result.effects[k], bench, screen, k);
+    suspend_if_undecided(result, k);
+  }
   list_untestable(result, bench, screen);
 }
 

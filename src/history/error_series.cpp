@@ -48,7 +48,7 @@ bool usable(const Model& model) {
 /// Whether every effect that moves the table can be asked at `at`.
 bool known_at(const Model& model, IndexedPosition at) try {
   for (const EffectPtr& effect : model.effects)
-    if (effect->moves_table() && effect->origin() == Origin::machine) effect->at(at_position(at));
+    if (effect->moves_table() && effect->is_compensated()) effect->at(at_position(at));
   return model.rotary_map()->surface().covers(at.a);
 } catch (const RangeError&) {
   return false;
@@ -95,7 +95,7 @@ Stacked stacked_pose_errors(const Model& model, const std::vector<IndexedPositio
   const auto n = 6 * static_cast<Eigen::Index>(at.size());
   Stacked stacked{.delta = Eigen::VectorXd::Zero(n), .covariance = Eigen::MatrixXd::Zero(n, n)};
   for (EffectPtr effect : model.effects) {
-    if (effect->origin() != Origin::machine || !effect->moves_table()) continue;
+    if (!effect->is_compensated() || !effect->moves_table()) continue;
     double sigma_mm = 0, sigma_rad = 0;
     if (const auto* map = dynamic_cast<const RotaryErrorMap*>(effect.get())) {
       if (const EffectPtr nodes = as_found(*map, at, context)) {
@@ -171,7 +171,7 @@ void add_parameters(SeriesSet& set, const std::vector<const Model*>& models, con
   std::map<std::string, ErrorSeries> found;
   for (std::size_t k = 0; k < models.size(); ++k)
     for (const EffectPtr& effect : models[k]->effects) {
-      if (effect->origin() != Origin::machine || effect->id() == "rotary_error_map" || effect->covariance().size() == 0)
+      if (!effect->is_compensated() || effect->id() == "rotary_error_map" || effect->covariance().size() == 0)
         continue;
       for (std::size_t p = 0; p < effect->parameters().size(); ++p) {
         const Parameter& parameter = effect->parameters()[p];

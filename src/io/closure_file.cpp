@@ -51,6 +51,13 @@ json closure_json(const ClosureResult& r) {
     entry["not_separable_from"] = e.not_separable_from;
     entry["partly_separable_from"] = e.partly_separable_from;
     entry["separate_by"] = e.separate_by;
+    entry["alternatives"] = json::array();
+    for (const Alternative& a : e.alternatives)
+      entry["alternatives"].push_back(
+          {{"id", a.id}, {"correlation", a.correlation}, {"log_likelihood_behind", a.log_likelihood}});
+    entry["compensated"] = e.effect->is_compensated();
+    entry["needs"] = e.needs;
+    entry["largest_um"] = e.largest_um;
     entry["rigid_within_poses"] = e.rigid_within_poses;
     entry["not_credible"] = e.absurd;
     j["effects"].push_back(std::move(entry));

@@ -10,29 +10,12 @@ namespace trunnion {
 
 const std::vector<Family>& catalogue() {
   static const std::vector<Family> families = {
-      rotary_error_map_family(),
-      location_errors_family(),
-      linear_scale_family(),
-      backlash_family(),
-      squareness_family(),
-      straightness_family(),
-      linear_angular_family(),
-      linear_periodic_family(),
-      linear_backlash_family(),
-      cyclic_error_family(),
-      brake_clamp_family(),
-      payload_sag_family(),
-      thermal_drift_family(),
-      temperature_family(),
-      probe_lobing_family(),
-      probe_pretravel_family(),
-      probe_settling_family(),
-      artifact_expansion_family(),
-      artifact_slip_family(),
-      artifact_creep_family(),
-      artifact_flex_family(),
-      pass_shift_family(),
-      smooth_family(),
+      rotary_error_map_family(), location_errors_family(),    linear_scale_family(),   backlash_family(),
+      squareness_family(),       straightness_family(),       linear_angular_family(), linear_periodic_family(),
+      linear_backlash_family(),  cyclic_error_family(),       brake_clamp_family(),    payload_sag_family(),
+      thermal_drift_family(),    temperature_family(),        probe_lobing_family(),   probe_pretravel_family(),
+      probe_settling_family(),   artifact_expansion_family(), artifact_slip_family(),  artifact_creep_family(),
+      artifact_flex_family(),    pass_shift_family(),         smooth_family(),
   };
   return families;
 }
@@ -58,6 +41,11 @@ EffectPtr read_effect(const nlohmann::json& json, const EffectContext& context) 
     if (json["origin"] != wanted)
       throw ModelError("effect " + id + ": origin: " + json["origin"].dump() + " found, \"" + std::string(wanted) +
                        "\" is right");
+  }
+  if (json.contains("suspended")) {
+    if (!json["suspended"].is_boolean())
+      throw ModelError("effect " + id + ": suspended: " + json["suspended"].dump() + " found, true or false is wanted");
+    if (json["suspended"].get<bool>()) return effect->suspended();
   }
   return effect;
 }

@@ -32,6 +32,12 @@ std::shared_ptr<const Effect> Effect::with_parameters(const Eigen::VectorXd& val
   return copy;
 }
 
+std::shared_ptr<const Effect> Effect::suspended() const {
+  std::shared_ptr<Effect> copy = clone();
+  copy->suspended_ = true;
+  return copy;
+}
+
 std::shared_ptr<const Effect> Effect::with_shape(const Eigen::VectorXd& shape) const {
   if (this->shape().empty()) throw ModelError("effect " + id() + " has no shape to set");
   refuse_outside_ranges(shape);
@@ -59,6 +65,7 @@ json Effect::to_json() const {
   json j;
   j["id"] = id();
   j["origin"] = origin() == Origin::machine ? "machine" : "measurement";
+  if (suspended_) j["suspended"] = true;
   json parameters = json::object();
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const Parameter& p = parameters_[i];

@@ -66,6 +66,13 @@ class Effect {
   /// A copy with other values; `covariance` may be empty.
   std::shared_ptr<const Effect> with_parameters(const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance) const;
 
+  /// Whether it is corrected, tabulated and predicted: one of the machine that is not suspended.
+  bool is_compensated() const { return origin() == Origin::machine && !suspended_; }
+  /// Set aside: an effect of the machine that the data cannot tell from one of the measurement. It cleans the fit and
+  /// is shown, but never compensated.
+  bool is_suspended() const { return suspended_; }
+  std::shared_ptr<const Effect> suspended() const;
+
   /// The numbers of the shape, empty for most effects.
   virtual std::vector<Parameter> shape() const { return {}; }
   /// One range for each of them.
@@ -73,8 +80,8 @@ class Effect {
   /// A copy with another shape, parameters kept. Throws ModelError for an effect without one, or outside its ranges.
   std::shared_ptr<const Effect> with_shape(const Eigen::VectorXd& shape) const;
 
-  /// `{"id", "origin", "parameters": {NAME: {"value", "std", "unit"}}}`, with "shape" and "covariance" where there are
-  /// any. The map writes itself otherwise.
+  /// `{"id", "origin", "parameters": {NAME: {"value", "std", "unit"}}}`, with "shape", "covariance" and "suspended"
+  /// where there are any. The map writes itself otherwise.
   virtual nlohmann::json to_json() const;
 
  protected:
@@ -86,6 +93,8 @@ class Effect {
  private:
   void refuse_outside_ranges(const Eigen::VectorXd& shape) const;
   void read_shape(const nlohmann::json& json);
+
+  bool suspended_ = false;
 
  protected:
   std::vector<Parameter> parameters_;

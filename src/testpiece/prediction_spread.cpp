@@ -88,7 +88,7 @@ DeviationSpread::DeviationSpread(const TestPiece& piece, const SurfaceGrid& surf
   const auto rows = static_cast<Eigen::Index>(points.size());
   columns_.resize(rows, 0);
   for (const EffectPtr& effect : model.effects) {
-    if (effect->origin() != Origin::machine || effect->covariance().size() == 0) continue;
+    if (!effect->is_compensated() || effect->covariance().size() == 0) continue;
     const Eigen::MatrixXd root = root_of(effect->covariance());
     Eigen::MatrixXd part(rows, root.cols());
     for (Eigen::Index i = 0; i < rows; ++i) {
