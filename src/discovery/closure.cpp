@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kMostEnlargements = 3, kMostRefusals = 6;
 constexpr std::size_t kRefined = 5;        // candidates whose shapes are moved to their summits before one is chosen
+constexpr double kNearby = 1e4;            // times the level: worth a second look with shape and map at their best
 constexpr double kRicherMapGain = 5;       // log likelihood that an enlargement of the map must bring
 constexpr double kFallbackPreference = 3;  // log likelihood by which a smooth effect must beat a named one
 constexpr double kAlike = 0.5;             // correlation with a refused candidate at which others share its fate
@@ -118,7 +119,8 @@ class Search {
       const Candidate& c = screen_.candidates()[k];
       const CandidateScore& s = by_smooth_.scores[k];
       const double p = std::min(s.p_value, by_free_.base != nullptr ? by_free_.scores[k].p_value : 1.0);
-      if (refused_[k] || s.rank == 0 || p * multiplicity() > options_.level || is_accepted(*c.effect)) continue;
+      if (refused_[k] || s.rank == 0 || p * multiplicity() > options_.level * kNearby || is_accepted(*c.effect))
+        continue;
       ranked.push_back({evidence(s, bench_.smooth(), c.members), k});
     }
     std::ranges::sort(ranked, std::greater<>{}, &Ranked::log_likelihood);
@@ -127,6 +129,8 @@ class Search {
     for (const Ranked& r : ranked) {
       Choice choice{.candidate = refined(bench_.problem(), bench_.smooth(), screen_.candidates()[r.index])};
       judge(choice);
+      if (choice.family_wise > options_.level) judge_with_the_map_refitted(choice);
+      if (choice.family_wise > options_.level) continue;
       if (!best || choice.log_likelihood > best->log_likelihood) best = std::move(choice);
     }
     return best;
@@ -135,9 +139,26 @@ class Search {
   void judge(Choice& choice) const {
     choice.smooth = score(bench_.smooth(), choice.candidate.columns);
     if (bench_.free() != nullptr) choice.free = score(*bench_.free(), choice.candidate.columns);
-    choice.log_likelihood = evidence(choice.smooth, bench_.smooth(), choice.candidate.members);
+    weigh(choice, bench_.smooth());
+  }
+
+  void weigh(Choice& choice, const Projection& base) const {
+    choice.log_likelihood = evidence(choice.smooth, base, choice.candidate.members);
     choice.rigid = choice.free.p_value * multiplicity() > options_.level;
     choice.family_wise = std::min(1.0, (choice.rigid ? choice.smooth : choice.free).p_value * multiplicity());
+  }
+
+  /// A map that had to do without the effect may have taken much of it over: its prior once more, with the effect.
+  void judge_with_the_map_refitted(Choice& choice) const {
+    const std::vector<bool> rows = bench_.searched();
+    const EffectColumns now = bench_.accepted_columns();
+    const SmoothPrior prior = bench_.fit(bench_.basis(), rows, with_one_more(now, choice.candidate), {}).prior;
+    const SmoothDesign design{bench_.design().columns, smooth_precision(bench_.problem(), bench_.basis(), prior)};
+    const SmoothProjection base(bench_.input(rows, now), design);
+    const CandidateScore refitted = score(base, choice.candidate.columns);
+    if (refitted.p_value >= choice.smooth.p_value) return;
+    choice.smooth = refitted;
+    weigh(choice, base);
   }
 
   /// One effect more, or a richer map, or one candidate less; false where the search is over.
@@ -215,11 +236,14 @@ class Search {
     choice = std::move(fallback);
   }
 
-  /// The poses kept back decide: their error is looked at once, after the choice.
+  /// The poses kept back decide: their error is looked at once, after the choice. Where they would hardly feel the
+  /// effect, the other poses decide, left out in turn, and those kept back must not say otherwise.
   bool accept_or_refuse(const Choice& choice) {
     const EffectColumns now = bench_.accepted_columns(), then = with_one_more(now, choice.candidate);
-    const HoldoutError before = bench_.holdout(now), after = bench_.holdout(then);
-    if (!falls(before, after)) return refuse(choice, "the error at poses kept back does not fall");
+    Fall decisive = fall(bench_.holdout(now), bench_.holdout(then));
+    const bool contradicted = decisive.contradicts();
+    if (bench_.split().has_holdout() && decisive.silent()) decisive = fall(bench_.folds(now), bench_.folds(then));
+    if (contradicted || !decisive.clear()) return refuse(choice, "the error at poses kept back does not fall");
     AcceptedEffect found{.effect = choice.candidate.effect,
                          .smooth = !choice.from_catalogue,
                          .p_value = choice.family_wise,

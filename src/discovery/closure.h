@@ -25,7 +25,8 @@ struct ClosureStage {
   double rms_um = 0;
   double reduced_chi2 = 0;
   double chi2_p = 1;
-  double holdout_rms_um = 0;  ///< over hold-out poses alone; meaningless without any
+  double holdout_rms_um = 0;  ///< over hold-out poses alone (HoldoutError::rms_um), or poses left out in turn
+  double holdout_plain_rms_um = 0;
 };
 
 /// A catalogue effect that does nearly what an accepted one does.

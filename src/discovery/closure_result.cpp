@@ -160,10 +160,10 @@ void conclude(ClosureResult& result, Workbench& bench, const Screen& screen, con
   for (std::size_t k = 0;; ++k) {
     const EffectColumns effects = bench.accepted_columns();
     bench.refit(bench.searched());
-    const double held = bench.holdout(effects).rms_um;
+    const HoldoutError held = bench.holdout(effects);
     bench.refit(bench.used());
     ClosureStage now = stage(bench, effects);
-    now.holdout_rms_um = held;
+    now.holdout_rms_um = held.rms_um, now.holdout_plain_rms_um = held.plain_rms_um;
     if (k == 0) {
       result.before = now;
       before = bench.fit(bench.basis(), bench.used(), effects, bench.prior());

@@ -10,23 +10,9 @@ bool Split::has_holdout() const {
   return std::ranges::any_of(holdout, [](bool b) { return b; });
 }
 
-std::vector<std::vector<bool>> Split::parts() const {
-  return has_holdout() ? std::vector<std::vector<bool>>{holdout} : folds;
-}
-
 Split split_by_poses(const LinearProblem& problem, std::size_t verification_from, int folds) {
   const std::size_t n = problem.readings.size();
   Split split{.search = std::vector<bool>(n, true), .holdout = std::vector<bool>(n, false)};
-  if (verification_from >= problem.observations->rows.size()) {
-    for (int f = 0; f < folds; ++f) {
-      std::vector<bool> out(n, false);
-      for (std::size_t i = 0; i < n; ++i)
-        out[i] = !problem.poses[problem.readings[i].pose].reference &&
-                 static_cast<int>(problem.readings[i].pose) % folds == f;
-      if (std::ranges::any_of(out, [](bool b) { return b; })) split.folds.push_back(std::move(out));
-    }
-    return split;
-  }
   std::size_t visits = 0;
   bool kept_back = false;
   for (std::size_t i = 0; i < n; ++i) {
@@ -38,6 +24,13 @@ Split split_by_poses(const LinearProblem& problem, std::size_t verification_from
     split.holdout[i] = kept_back;
     split.search[i] = !kept_back;
   }
+  for (int f = 0; f < folds; ++f) {
+    std::vector<bool> out(n, false);
+    for (std::size_t i = 0; i < n; ++i)
+      out[i] = split.search[i] && !problem.poses[problem.readings[i].pose].reference &&
+               static_cast<int>(problem.readings[i].pose) % folds == f;
+    if (std::ranges::any_of(out, [](bool b) { return b; })) split.folds.push_back(std::move(out));
+  }
   return split;
 }
 
@@ -45,43 +38,52 @@ HoldoutError holdout_error(const ProjectionInput& input, const SmoothDesign& des
                            const std::vector<std::vector<bool>>& parts) {
   const LinearProblem& problem = *input.problem;
   HoldoutError error;
-  double sum_um = 0, sum = 0, count = 0;
+  double plain = 0, sum = 0, count = 0;
   for (const std::vector<bool>& out : parts) {
     ProjectionInput rest = input;
     std::vector<Eigen::Index> rows;
     for (std::size_t i = 0; i < out.size(); ++i)
       if (out[i] && input.used[i]) rows.push_back(static_cast<Eigen::Index>(i)), rest.used[i] = false;
     if (rows.empty()) continue;
-    const SmoothProjection::Prediction p = SmoothProjection(rest, design).predict(rows);
-    Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(p.error.size(), p.error.size());
-    covariance.selfadjointView<Eigen::Lower>().rankUpdate(p.factor);
-    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-    const Eigen::VectorXd innovation = factor.matrixL().solve(p.error);
-    const Eigen::VectorXd deviation = factor.matrixLLT().diagonal();
-    std::size_t pose = problem.poses.size();
+    SmoothProjection::Prediction p = SmoothProjection(rest, design).predict(rows);
+    HoldoutError::Part part{std::move(p.error), Eigen::MatrixXd::Identity(p.factor.rows(), p.factor.rows())};
+    part.covariance += p.factor * p.factor.transpose();
+    const Eigen::VectorXd innovation = part.covariance.llt().matrixL().solve(part.error);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       const Reading& reading = problem.readings[static_cast<std::size_t>(rows[k])];
-      if (reading.pose != pose) error.log_density.push_back(0), pose = reading.pose;
-      error.log_density.back() -= 0.5 * innovation[i] * innovation[i] + std::log(deviation[i]);
-      sum += innovation[i] * innovation[i];
-      sum_um += std::pow(p.error[i] * reading.sigma * (reading.angular ? 1e5 : 1e3), 2);
+      const double sigma_um = reading.sigma * (reading.angular ? 1e5 : 1e3);
+      sum += std::pow(innovation[i] * sigma_um, 2);
+      plain += std::pow(part.error[i] * sigma_um, 2);
       ++count;
     }
+    error.parts.push_back(std::move(part));
   }
-  if (count > 0) error.rms_um = std::sqrt(sum_um / count), error.innovation = sum / count;
+  if (count > 0) error.rms_um = std::sqrt(sum / count), error.plain_rms_um = std::sqrt(plain / count);
   return error;
 }
 
-bool falls(const HoldoutError& before, const HoldoutError& after) {
-  const std::size_t n = before.log_density.size();
-  if (n < 2 || after.log_density.size() != n) return false;
-  double total = 0, square = 0;
-  for (std::size_t p = 0; p < n; ++p) total += after.log_density[p] - before.log_density[p];
-  const double mean = total / static_cast<double>(n);
-  for (std::size_t p = 0; p < n; ++p) square += std::pow(after.log_density[p] - before.log_density[p] - mean, 2);
-  const double standard_error = std::sqrt(square * static_cast<double>(n) / static_cast<double>(n - 1));
-  return after.rms_um < before.rms_um && after.innovation < before.innovation && total > standard_error;
+Fall fall(const HoldoutError& before, const HoldoutError& after) {
+  // log p1(e - d) - log p0(e), e normal with covariance S0: a quadratic form in z = L0^-1 e.
+  Fall fall{.rms_um = before.rms_um - after.rms_um};
+  double variance = 0, shift = 0;
+  for (std::size_t k = 0; k < before.parts.size(); ++k) {
+    const HoldoutError::Part &p0 = before.parts[k], &p1 = after.parts[k];
+    const Eigen::LLT<Eigen::MatrixXd> root0(p0.covariance), root1(p1.covariance);
+    const auto log_density = [](const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::VectorXd& e) {
+      return -0.5 * root.matrixL().solve(e).squaredNorm() - root.matrixLLT().diagonal().array().log().sum();
+    };
+    fall.gain += log_density(root1, p1.error) - log_density(root0, p0.error);
+    const Eigen::MatrixXd mixed = root1.matrixL().solve(Eigen::MatrixXd(root0.matrixL()));  // L1^-1 L0
+    const Eigen::VectorXd by = root1.matrixL().solve(p0.error - p1.error);
+    Eigen::MatrixXd curved = -mixed.transpose() * mixed;
+    curved.diagonal().array() += 1;
+    variance += 0.5 * curved.squaredNorm() + (mixed.transpose() * by).squaredNorm();
+    shift += by.squaredNorm();
+  }
+  fall.standard_error = std::sqrt(variance);
+  fall.shift = std::sqrt(shift);
+  return fall;
 }
 
 }  // namespace trunnion

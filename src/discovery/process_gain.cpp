@@ -12,7 +12,8 @@ ProcessGain best_process_gain(const Projection& base, const Eigen::MatrixXd& z) 
   gram.selfadjointView<Eigen::Lower>().rankUpdate(reduced.transpose(), -1);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
   const Eigen::ArrayXd g = eigen.eigenvalues().array().max(0);
-  const Eigen::ArrayXd b2 = (eigen.eigenvectors().transpose() * (z.transpose() * base.residual())).array().square();
+  const Eigen::ArrayXd b = (eigen.eigenvectors().transpose() * (z.transpose() * base.residual())).array();
+  const Eigen::ArrayXd b2 = b.square();
   const auto gain_at = [&](double log_amplitude) {
     const double a = std::exp(2 * log_amplitude);
     return 0.5 * (b2 * a / (1 + a * g) - (1 + a * g).log()).sum();
@@ -26,6 +27,12 @@ ProcessGain best_process_gain(const Projection& base, const Eigen::MatrixXd& z) 
     for (const double there : {at - step, at + step})
       if (const double gain = gain_at(there); gain > best.gain) best.gain = gain, at = there;
   best.amplitude = std::exp(at);
+  const double a = best.amplitude * best.amplitude;
+  best.explained = (b2 * a / (1 + a * g)).sum();
+  const Eigen::VectorXd found =
+      eigen.eigenvectors() * (b * (a / (1 + a * g))).matrix();  // its coefficients, given the readings
+  const Eigen::VectorXd signal = used * found;
+  best.visible_fraction = std::sqrt(std::max(0.0, 1 - (reduced * found).squaredNorm() / signal.squaredNorm()));
   return best;
 }
 

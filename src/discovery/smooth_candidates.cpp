@@ -56,6 +56,7 @@ constexpr SmoothDirection kDirections[] = {SmoothDirection::x,       SmoothDirec
                                            SmoothDirection::approach};
 constexpr double kFirstScale = 0.15;  // of the range: between the finest and the coarsest
 constexpr std::size_t kFollowed = 24, kLeading = 4, kLeadingDirections = 3;
+constexpr double kLeastVisible = 0.1;   // what hides in the map almost whole would be extrapolated from the rest
 constexpr double kSecondCovariate = 4;  // log likelihood that a second covariate must bring
 
 struct Trial {
@@ -71,6 +72,9 @@ class Trials {
  public:
   Trials(const LinearProblem& problem, const Projection& base, const CandidateScope& scope)
       : problem_(problem), base_(base), scope_(scope), covariates_(covariates(problem, scope)) {}
+
+  /// All that were tried, those that hide in the base among them.
+  std::size_t attempts() const { return attempts_; }
 
   const std::vector<Trial>& run() {
     for (std::size_t k = 0; k < covariates_.size(); ++k)
@@ -95,7 +99,9 @@ class Trials {
       axes.push_back({c.column, c.low, c.high, scale * (c.high - c.low)});
     }
     const auto term = make_smooth(std::move(axes), direction, scope_.context);
-    tried_.push_back({term, best_process_gain(base_, unit_prior_columns(problem_, *term)), std::move(which), scale});
+    const ProcessGain process = best_process_gain(base_, unit_prior_columns(problem_, *term));
+    ++attempts_;
+    if (process.visible_fraction > kLeastVisible) tried_.push_back({term, process, std::move(which), scale});
   }
 
   void products() {
@@ -122,6 +128,7 @@ class Trials {
   const CandidateScope& scope_;
   std::vector<Covariate> covariates_;
   std::vector<Trial> tried_;
+  std::size_t attempts_ = 0;
 };
 
 }  // namespace
@@ -131,22 +138,26 @@ std::optional<SmoothCandidate> best_smooth_candidate(const LinearProblem& proble
   Trials trials(problem, base, scope);
   const std::vector<Trial>& tried = trials.run();
   if (tried.empty()) return std::nullopt;
+  const auto attempts = static_cast<double>(trials.attempts());
   const auto single = std::ranges::find_if(tried, [](const Trial& t) { return t.covariates.size() == 1; });
   const Trial* best = &tried.front();
   // Two covariates only where one will not do.
   if (best->covariates.size() == 2 && best->process.gain < single->process.gain + kSecondCovariate) best = &*single;
   // The largest of many gains under noise alone has an exponential tail: 3.6 at 5 % for sixty terms tried.
-  const double threshold = 3.6 + std::log(0.05 / level) + std::log(static_cast<double>(tried.size()) / 60);
-  if (best->process.gain < threshold) return std::nullopt;
+  const double threshold = 3.6 + std::log(0.05 / level) + std::log(attempts / 60);
+  // Where the scatter that would be left is wider than declared, the noise is, and the gain counts in units of that.
+  const double left = (base.residual_square() - best->process.explained) / base.freedom();
+  const double gain = best->process.gain / std::max(1.0, left);
+  if (gain < threshold) return std::nullopt;
   SmoothCandidate found;
   const Eigen::VectorXd root = best->process.amplitude * best->term->prior_variances().cwiseSqrt();
   found.candidate.effect = best->term;
   found.candidate.columns = best->process.amplitude * unit_prior_columns(problem, *best->term);
   found.candidate.scale = root;
   found.candidate.precision = Eigen::VectorXd::Ones(root.size());
-  found.candidate.members = static_cast<double>(tried.size());
-  found.log_likelihood = best->process.gain - std::log(static_cast<double>(tried.size()));
-  found.p_value = std::min(1.0, level * std::exp(threshold - best->process.gain));
+  found.candidate.members = attempts;
+  found.log_likelihood = gain - std::log(attempts);
+  found.p_value = std::min(1.0, level * std::exp(threshold - gain));
   return found;
 }
 

@@ -45,8 +45,13 @@ class Workbench {
   ProjectionInput input(std::vector<bool> rows, EffectColumns effects) const {
     return {&problem_, std::move(rows), y_, std::move(effects)};
   }
+  /// The error at the poses kept back; without any, at the folds.
   HoldoutError holdout(const EffectColumns& effects) const {
-    return holdout_error(input(used_, effects), design_, split_.parts());
+    return split_.has_holdout() ? holdout_error(input(used_, effects), design_, {split_.holdout}) : folds(effects);
+  }
+  /// The error at the poses that are searched, left out fold by fold.
+  HoldoutError folds(const EffectColumns& effects) const {
+    return holdout_error(input(searched(), effects), design_, split_.folds);
   }
   /// The smooth fit of `rows` with `effects`, at the prior given or one found.
   SmoothFit fit(const HarmonicBasis& basis, const std::vector<bool>& rows, const EffectColumns& effects,

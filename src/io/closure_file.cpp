@@ -14,7 +14,8 @@ namespace {
 json stage_json(const ClosureStage& stage, bool has_holdout) {
   return {{"rms_um", stage.rms_um},
           {"reduced_chi2", stage.reduced_chi2},
-          {"holdout_rms_um", has_holdout ? json(stage.holdout_rms_um) : json()}};
+          {"holdout_rms_um", has_holdout ? json(stage.holdout_rms_um) : json()},
+          {"holdout_plain_rms_um", has_holdout ? json(stage.holdout_plain_rms_um) : json()}};
 }
 
 json parameters_json(const Effect& effect) {

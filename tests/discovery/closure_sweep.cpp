@@ -1,49 +1,100 @@
-#include <gtest/gtest.h>
+// Closes the loop on many virtual machines and prints what came of each, one JSON object a line:
+//   closure_sweep KIND MEASURED FIRST COUNT [NAME]
+// KIND: effect, two, chips (NAME: an id, or two with a + between), invention (NAME), null, student, harmonics.
+// MEASURED: calibration, verified, three_passes, three_passes_verified.
 
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
 
-#include "discovery/undeclared_case.h"
+#include "discovery/closure_case.h"
+#include "discovery/inventions.h"
 
-namespace trunnion {
 namespace {
 
-TEST(ClosureSweep, RaisesFewFalseAlarms) {
-  // Machines that lack nothing, with up to three harmonics in C; 3 % of false alarms are the most.
-  int alarms = 0;
-  constexpr int kMachines = 100;
-  for (int seed = 0; seed < kMachines; ++seed) {
-    const auto outcome = testing::close_case(
-        {.seed = 100 + static_cast<std::uint64_t>(seed), .C_harmonics = 2 + seed % 2, .verification = seed % 4 != 0});
-    if (outcome.closure.effects.empty()) continue;
-    ++alarms;
-    std::printf("seed %d: %s\n", seed, outcome.closure.effects.front().effect->id().c_str());
-  }
-  std::printf("false alarms: %d of %d machines\n", alarms, kMachines);
-  EXPECT_LE(alarms, 3 * kMachines / 100);
+using namespace trunnion;
+using namespace trunnion::testing;
+
+constexpr double kDetectable = 25.6;           // noncentrality that is found in nine of ten cases
+constexpr double kFolds = 1.5, kVerified = 2;  // times the amplitude that has it
+
+Measured measured_from(const std::string& name) {
+  static const std::map<std::string, Measured> known = {{"calibration", Measured::calibration},
+                                                        {"verified", Measured::verified},
+                                                        {"three_passes", Measured::three_passes},
+                                                        {"three_passes_verified", Measured::three_passes_verified}};
+  return known.at(name);
 }
 
-TEST(ClosureSweep, NamesEachUndeclaredEffect) {
-  // Amplitudes are those that three passes would show; what one calibration and a verification cannot see stays
-  // unnamed, but hardly ever is something else named instead.
-  int wrong = 0, total = 0;
-  for (const std::string& id : testing::undeclared_ids()) {
-    int right = 0;
-    constexpr int kDraws = 5;
-    for (int draw = 0; draw < kDraws; ++draw) {
-      const auto outcome = testing::close_case({.seed = 300 + static_cast<std::uint64_t>(draw), .effect = id});
-      const bool found = outcome.found(id);
-      right += found ? 1 : 0;
-      wrong += !found && !outcome.closure.effects.empty() ? 1 : 0;
-      ++total;
-      if (!found)
-        for (const AcceptedEffect& e : outcome.closure.effects)
-          std::printf("%s draw %d: %s instead\n", id.c_str(), draw, e.effect->id().c_str());
-    }
-    std::printf("%-24s named in %d of %d\n", id.c_str(), right, kDraws);
+const Invention* invention_called(const std::string& name) {
+  for (const Invention& i : inventions())
+    if (i.name == name) return &i;
+  throw std::invalid_argument("no invention is called " + name);
+}
+
+nlohmann::json row(const ClosureCase& c, const std::string& kind, const std::string& name) {
+  const std::clock_t start = std::clock();
+  const ClosureOutcome outcome = close_case(c);
+  const ClosureResult& r = outcome.closure;
+  nlohmann::json accepted = nlohmann::json::array(), named = nlohmann::json::array();
+  bool all_found = !c.effects.empty();
+  for (const AcceptedEffect& e : r.effects) accepted.push_back(e.effect->id());
+  for (const std::string& id : c.effects) {
+    named.push_back(outcome.found(id));
+    all_found = all_found && outcome.found(id);
   }
-  std::printf("something else named: %d of %d\n", wrong, total);
-  EXPECT_LE(wrong, total / 10);
+  return {{"kind", kind},
+          {"name", name},
+          {"seed", c.seed},
+          {"visible", outcome.visible},
+          {"accepted", accepted},
+          {"named", named},
+          {"right", all_found && r.effects.size() == c.effects.size()},
+          {"verdict", verdict_text(r.verdict)},
+          {"residual_um", r.after.rms_um},
+          {"chi2", r.after.reduced_chi2},
+          {"holdout_before_um", r.before.holdout_rms_um},
+          {"holdout_after_um", r.after.holdout_rms_um},
+          {"map_before_um", map_error_um(r.bare_model, outcome.machine)},
+          {"map_after_um", map_error_um(r.model, outcome.machine)},
+          {"outliers", r.outliers.size()},
+          {"refused", r.refused},
+          {"cpu_s", static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC}};
 }
 
 }  // namespace
-}  // namespace trunnion
+
+int main(int argc, char** argv) try {
+  if (argc < 5) throw std::invalid_argument("closure_sweep KIND MEASURED FIRST COUNT [NAME]");
+  const std::string kind = argv[1], name = argc > 5 ? argv[5] : "";
+  ClosureCase c{.measured = measured_from(argv[2])};
+  const bool later = c.measured == Measured::verified || c.measured == Measured::three_passes_verified;
+  const double times = later ? kVerified : kFolds;
+  if (kind == "effect" || kind == "chips" || kind == "two" || kind == "student") {
+    const std::size_t plus = name.find('+');
+    if (!name.empty()) c.effects.push_back(name.substr(0, plus));
+    if (plus != std::string::npos) c.effects.push_back(name.substr(plus + 1));
+    c.noncentrality = kDetectable * times * times;
+  }
+  if (kind == "chips") c.noise.chip_rate = .02;
+  if (kind == "student") c.noise.student_freedom = 5;
+  if (kind == "harmonics") c.machine.C_harmonics = 4;
+  if (kind == "invention") {
+    c.invention = invention_called(name);
+    c.noncentrality = 4 * kDetectable * times * times;  // abrupt ones are seen by no more than their smooth part
+  }
+  const std::uint64_t first = std::strtoull(argv[3], nullptr, 10), count = std::strtoull(argv[4], nullptr, 10);
+  for (c.seed = first; c.seed < first + count; ++c.seed) {
+    if (kind == "null") c.machine.C_harmonics = 2 + static_cast<int>(c.seed % 3);
+    std::printf("%s\n", row(c, kind, name).dump().c_str());
+    std::fflush(stdout);
+  }
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "closure_sweep: %s\n", e.what());
+  return 1;
+}

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "discovery/undeclared_case.h"
+#include "discovery/closure_case.h"
 
 namespace trunnion {
 namespace {
@@ -12,20 +12,20 @@ using testing::map_error_um;
 
 TEST(Closure, AddsNothingWhereNothingIsMissing) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
-    const testing::UndeclaredOutcome outcome = close_case({.seed = seed});
+    const testing::ClosureOutcome outcome = close_case({.seed = seed});
     EXPECT_TRUE(outcome.closure.effects.empty()) << outcome.closure.effects.front().effect->id();
     EXPECT_EQ(outcome.closure.verdict, Verdict::nothing_missing);
   }
 }
 
 TEST(Closure, AddsNothingWithoutAVerificationEither) {
-  const testing::UndeclaredOutcome outcome = close_case({.seed = 31, .verification = false});
+  const testing::ClosureOutcome outcome = close_case({.seed = 31, .measured = testing::Measured::calibration});
   EXPECT_TRUE(outcome.closure.effects.empty());
   EXPECT_EQ(outcome.closure.verdict, Verdict::nothing_missing);
 }
 
 TEST(Closure, NamesAnUndeclaredSquarenessAndMendsTheMap) {
-  const testing::UndeclaredOutcome outcome = close_case({.seed = 1, .effect = "squareness:XY"});
+  const testing::ClosureOutcome outcome = close_case({.seed = 1, .effects = {"squareness:XY"}});
   ASSERT_TRUE(outcome.found("squareness:XY"));
   EXPECT_EQ(outcome.closure.verdict, Verdict::explained);
   EXPECT_LT(outcome.closure.after.reduced_chi2, 1.2);
@@ -37,16 +37,17 @@ TEST(Closure, NamesAnUndeclaredSquarenessAndMendsTheMap) {
 }
 
 TEST(Closure, NamesAnUndeclaredBacklash) {
-  const testing::UndeclaredOutcome outcome = close_case({.seed = 0, .effect = "backlash:C"});
+  const testing::ClosureOutcome outcome = close_case({.seed = 0, .effects = {"backlash:C"}});
   EXPECT_TRUE(outcome.found("backlash:C"));
   EXPECT_EQ(outcome.closure.verdict, Verdict::explained);
 }
 
 TEST(Closure, NamesADriftAsOfTheMachineAndASlipAsOfTheMeasurement) {
-  const testing::UndeclaredOutcome drift = close_case({.seed = 2, .effect = "thermal_drift"});
+  const testing::ClosureOutcome drift =
+      close_case({.seed = 2, .effects = {"thermal_drift"}, .measured = testing::Measured::three_passes});
   ASSERT_EQ(drift.closure.effects.size(), 1U);
   EXPECT_EQ(drift.closure.effects[0].effect->origin(), Origin::machine);
-  const testing::UndeclaredOutcome slip = close_case({.seed = 0, .effect = "artifact_slip:2"});
+  const testing::ClosureOutcome slip = close_case({.seed = 0, .effects = {"artifact_slip:2"}});
   ASSERT_TRUE(slip.found("artifact_slip:2"));
   EXPECT_EQ(slip.closure.effects[0].effect->origin(), Origin::measurement);
   // A slip of the artifact is never compensated: the deviation of the model is the map's.
@@ -60,15 +61,15 @@ TEST(Closure, NamesADriftAsOfTheMachineAndASlipAsOfTheMeasurement) {
 
 TEST(Closure, LetsChipsNeitherBecomeAnEffectNorHideOne) {
   const testing::TouchNoise chips{.sigma_mm = 0.175e-3, .chip_rate = 0.02};
-  const testing::UndeclaredOutcome nothing = close_case({.seed = 5, .noise = chips});
+  const testing::ClosureOutcome nothing = close_case({.seed = 5, .noise = chips});
   EXPECT_TRUE(nothing.closure.effects.empty());
   EXPECT_FALSE(nothing.closure.outliers.empty());
-  const testing::UndeclaredOutcome hidden = close_case({.seed = 5, .effect = "linear_scale:X", .noise = chips});
+  const testing::ClosureOutcome hidden = close_case({.seed = 5, .effects = {"linear_scale:X"}, .noise = chips});
   EXPECT_TRUE(hidden.found("linear_scale:X"));
 }
 
 TEST(Closure, SaysWhatTheDataCannotTest) {
-  const testing::UndeclaredOutcome outcome = close_case({.seed = 7});
+  const testing::ClosureOutcome outcome = close_case({.seed = 7});
   std::vector<std::string> ids;
   for (const Untestable& u : outcome.closure.untestable) {
     ids.push_back(u.id);

@@ -13,6 +13,7 @@
 
 #include "support/replica.h"
 #include "support/smooth_machine.h"
+#include "support/undeclared_draw.h"
 #include "support/undeclared_effects.h"
 
 namespace trunnion::testing {
@@ -252,14 +253,14 @@ TEST(SmoothMachine, HasAsManyHarmonicsOfCAsAsked) {
   EXPECT_LT(std::abs(fourth), 1e-15);
 }
 
-TEST(SmoothMachine, EveryUndeclaredEffectChangesReadings) {
+TEST(UndeclaredEffects, EveryOneChangesReadings) {
   const ProbingPlan plan = three_passes(replica_plan());
   for (const std::string& id : undeclared_ids()) {
     Noise drawn(9), none(0);
     VirtualMachine machine = kPerfect;
     add_undeclared(machine, id, drawn);
     ProbingPlan warming = plan;
-    for (PlannedTouch& touch : warming.touches) touch.temperature_C = 20 + touch.time_s / 2500;
+    record_covariates(warming, id);
     const auto with = probe(machine, warming, {}, none), without = probe(kPerfect, warming, {}, none);
     double rms_um = 0;
     for (std::size_t i = 0; i < with.size(); ++i)

@@ -2,11 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <stdexcept>
-
-#include "support/undeclared_effects.h"
 
 namespace trunnion::testing {
 namespace {
@@ -34,85 +31,6 @@ Vector6 drawn(Noise& noise, double translation_mm, double rotation_rad) {
 /// Coefficients of one harmonic's cosine or sine, as they vary with the tilt.
 using TiltMix = std::array<Vector6, 3>;
 Vector6 at_tilt(const TiltMix& mix, double tilt) { return mix[0] + mix[1] * std::sin(tilt) + mix[2] * std::cos(tilt); }
-
-double random_sign(Noise& noise) { return noise.bits() & 1U ? 1 : -1; }
-
-/// Away from zero, so that it can be found: between `size` and 2 `size`, either sign.
-double sized(Noise& noise, double size) { return random_sign(noise) * size * noise.uniform(1, 2); }
-
-using Adder = void (*)(VirtualMachine&, Noise&, double, int);
-
-const std::map<std::string, Adder>& adders() {
-  using M = VirtualMachine;
-  using N = Noise;
-  static const std::map<std::string, Adder> all = {
-      {"linear_scale:X", [](M& m, N& n, double, int) { add_linear_scale(m, 'X', sized(n, 8e-6)); }},
-      {"linear_scale:Y", [](M& m, N& n, double, int) { add_linear_scale(m, 'Y', sized(n, 8e-6)); }},
-      {"linear_scale:Z", [](M& m, N& n, double, int) { add_linear_scale(m, 'Z', sized(n, 8e-6)); }},
-      {"squareness:XY", [](M& m, N& n, double, int) { add_squareness(m, "XY", sized(n, 8e-6)); }},
-      {"squareness:XZ", [](M& m, N& n, double, int) { add_squareness(m, "XZ", sized(n, 8e-6)); }},
-      {"squareness:YZ", [](M& m, N& n, double, int) { add_squareness(m, "YZ", sized(n, 15e-6)); }},
-      {"straightness:EZX",
-       [](M& m, N& n, double, int) {
-         add_straightness(m, "EZX", [k = sized(n, 2e-3)](double x) { return k * x * x / 1e4; });
-       }},
-      {"straightness:EYX",
-       [](M& m, N& n, double, int) {
-         add_straightness(m, "EYX", [k = sized(n, 2e-3)](double x) { return k * x * x / 1e4; });
-       }},
-      {"linear_angular:ECY",
-       [](M& m, N& n, double, int) {
-         add_table_angular(m, "ECY", [k = sized(n, 10e-6)](double y) { return k * y / 100; });
-       }},
-      {"linear_periodic:Y",
-       [](M& m, N& n, double, int) {
-         const double amplitude_mm = n.uniform(.5e-3, 1e-3), phase_rad = n.uniform(0, 2 * std::numbers::pi);
-         add_linear_periodic(m, 'Y', amplitude_mm, 10, phase_rad);
-       }},
-      {"linear_backlash:X", [](M& m, N& n, double, int) { add_linear_backlash(m, 'X', n.uniform(1e-3, 3e-3)); }},
-      {"backlash:A", [](M& m, N& n, double, int) { add_rotary_backlash(m, 'A', sized(n, 8e-6)); }},
-      {"backlash:C", [](M& m, N& n, double, int) { add_rotary_backlash(m, 'C', sized(n, 8e-6)); }},
-      {"cyclic_error:C:6",
-       [](M& m, N& n, double, int) {
-         const double a = sized(n, 8e-6), b = sized(n, 8e-6);
-         add_cyclic_error(m, 'C', 6, a, b);
-       }},
-      {"thermal_drift",
-       [](M& m, N& n, double duration_s, int) {
-         const double y_um = sized(n, 2), z_um = sized(n, 3);
-         add_thermal_drift(m, um_urad(0, y_um, z_um, 0, 0, 0), duration_s / n.uniform(4, 8));
-       }},
-      {"temperature", [](M& m, N& n, double, int) { add_temperature(m, um_urad(0, 0, sized(n, 3), 0, 0, 0)); }},
-      {"probe_lobing:3",
-       [](M& m, N& n, double, int) {
-         const double a = sized(n, .3e-3), b = sized(n, .3e-3);
-         add_probe_lobing(m, 3, a, b);
-       }},
-      {"probe_pretravel", [](M& m, N& n, double, int) { add_probe_pretravel(m, sized(n, 1.5e-3)); }},
-      {"artifact_expansion",
-       [](M& m, N& n, double duration_s, int) {
-         const double kelvin = sized(n, .5);
-         add_artifact_expansion(m, 23.8e-6, [=](const MachineState& s) { return kelvin * s.time_s / duration_s; });
-       }},
-      {"artifact_slip:2",
-       [](M& m, N& n, double, int touches) {
-         const double x = sized(n, 1.5), y = sized(n, 1.5);
-         const int from = touches / 4 + static_cast<int>(n.below(static_cast<std::uint64_t>(touches) / 2));
-         add_artifact_slip(m, "2", um_urad(x, y, 0, 0, 0, 0), from);
-       }},
-      {"artifact_creep",
-       [](M& m, N& n, double duration_s, int) {
-         const double x = sized(n, 1.5e-3), y = sized(n, 1.5e-3);
-         add_artifact_creep(m, "1", {x, y, 0}, duration_s / 4);
-       }},
-      {"pass_shift",
-       [](M& m, N& n, double, int) {
-         const double x = sized(n, 1e-3), z = sized(n, 1e-3);
-         add_pass_shift(m, 1, {x, 0, z});
-       }},
-  };
-  return all;
-}
 
 }  // namespace
 
@@ -156,18 +74,6 @@ VirtualMachine smooth_machine(std::uint64_t seed, const SmoothMachineOptions& op
 
 VirtualMachine location_errors_only(std::uint64_t seed, const std::string& structure) {
   return smooth_machine(seed, {.translation_mm = 0, .rotation_rad = 0}, structure);
-}
-
-std::vector<std::string> undeclared_ids() {
-  std::vector<std::string> ids;
-  for (const auto& [id, adder] : adders()) ids.push_back(id);
-  return ids;
-}
-
-void add_undeclared(VirtualMachine& machine, const std::string& id, Noise& noise, double duration_s, int touches) {
-  const auto found = adders().find(id);
-  if (found == adders().end()) throw std::invalid_argument("no undeclared effect is called " + id);
-  found->second(machine, noise, duration_s, touches);
 }
 
 GaugedMaps gauged_maps(const VirtualMachine& machine, const std::vector<double>& tilt_deg,

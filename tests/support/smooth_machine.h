@@ -25,15 +25,6 @@ VirtualMachine smooth_machine(std::uint64_t seed, const SmoothMachineOptions& op
 /// Location errors and nothing else.
 VirtualMachine location_errors_only(std::uint64_t seed, const std::string& structure = "w C' A' Y' b X Z t");
 
-/// The families that add_undeclared knows, as closure.json names them.
-std::vector<std::string> undeclared_ids();
-
-/// Adds one undeclared effect of a size that a probe of 0.2 um finds in three passes, its parameters drawn from
-/// `noise`. `duration_s` and `touches` scale what depends on time and order. Throws std::invalid_argument for an id it
-/// does not know.
-void add_undeclared(VirtualMachine& machine, const std::string& id, Noise& noise, double duration_s = 5000,
-                    int touches = 657);
-
 /// The error maps that a perfect measurement at these stations gives, for a machine with both rotary axes under the
 /// table: pose errors T(Delta) = T(A,C) T(0,0)^-1 T~^-1, split by Eq. (12) and (13) into the tilting axis' mean over C
 /// and the remainder, each taken at its own axis' origin.

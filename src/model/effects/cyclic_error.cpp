@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "geometric_errors/rotary_errors.h"
@@ -11,6 +12,7 @@ namespace trunnion {
 namespace {
 
 constexpr int kHighestOrder = 100000;
+constexpr double kLeastCycles = 1.5;  // over the tilts measured: slower ones are what the map of the tilt is
 
 /// A rotary axis stands at q + a cos(n q) + b sin(n q): n = 1, 2 encoder and bearing, n = teeth of the worm wheel or
 /// lines of the encoder. Relative to the reference pose, where the workpiece was set up, as all rotary errors are:
@@ -106,8 +108,10 @@ Family cyclic_error_family() {
             for (const char axis : {'C', scope.context.tilt_letter}) {
               const std::vector<double> angles = measured_angles(scope, axis == 'C');
               if (angles.size() < 2) continue;
+              const double span = (angles.back() - angles.front()) / (2 * std::numbers::pi);
               for (const int order : distinguishable_orders(angles))
-                found.push_back(make_effect(cyclic_error(axis, order, scope.context)));
+                if (axis == 'C' || order * span > kLeastCycles)
+                  found.push_back(make_effect(cyclic_error(axis, order, scope.context)));
             }
             return found;
           },
