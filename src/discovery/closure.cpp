@@ -12,7 +12,7 @@
 namespace trunnion {
 namespace {
 
-constexpr int kMostEnlargements = 3, kMostRefusals = 6;
+constexpr int kMostEnlargements = 3, kMostRefusals = 6, kMostRefits = 2;
 constexpr std::size_t kRefined = 5;        // candidates whose shapes are moved to their summits before one is chosen
 constexpr double kNearby = 1e4;            // times the level: worth a second look with shape and map at their best
 constexpr double kRicherMapGain = 5;       // log likelihood that an enlargement of the map must bring
@@ -92,7 +92,7 @@ class Search {
 
   void refit() {
     bench_.refit(bench_.searched());
-    by_smooth_ = screen_.view(bench_.smooth());
+    by_smooth_ = screen_.view(bench_.smooth(), bench_.design().columns.cols(), bench_.map_version());
     by_free_ = bench_.free() != nullptr ? screen_.view(*bench_.free()) : Screen::View{};
   }
 
@@ -126,10 +126,11 @@ class Search {
     std::ranges::sort(ranked, std::greater<>{}, &Ranked::log_likelihood);
     if (ranked.size() > kRefined) ranked.resize(kRefined);
     std::optional<Choice> best;
+    int refits = 0;
     for (const Ranked& r : ranked) {
       Choice choice{.candidate = refined(bench_.problem(), bench_.smooth(), screen_.candidates()[r.index])};
       judge(choice);
-      if (choice.family_wise > options_.level) judge_with_the_map_refitted(choice);
+      if (choice.family_wise > options_.level && !best && refits++ < kMostRefits) judge_with_the_map_refitted(choice);
       if (choice.family_wise > options_.level) continue;
       if (!best || choice.log_likelihood > best->log_likelihood) best = std::move(choice);
     }

@@ -75,13 +75,13 @@ void fill_values(ClosureResult& result, const Workbench& bench, const SmoothFit&
 }
 
 /// What else of the catalogue does nearly the same as the fitted effect number `k`, and how likely it is.
-std::vector<Alternative> alternatives(const Workbench& bench, const Screen& screen, const Projection& base,
+std::vector<Alternative> alternatives(const Workbench& bench, Screen& screen, const SmoothProjection& base,
                                       std::size_t k, const Effect& fitted, double log_likelihood) {
   const Candidate& chosen = bench.accepted[k];
   const Eigen::VectorXd signal = chosen.columns * fitted.values().cwiseQuotient(chosen.scale);
   const Eigen::VectorXd projected = base.apply(signal);
   const double size = std::sqrt(std::max(1e-300, signal.dot(projected)));
-  const Screen::View view = screen.view(base);
+  const Screen::View view = screen.view(base, bench.design().columns.cols(), bench.map_version());
   std::map<std::string, Alternative> best;
   for (std::size_t j = 0; j < screen.candidates().size(); ++j) {
     const Candidate& other = screen.candidates()[j];
@@ -108,7 +108,7 @@ std::vector<Alternative> alternatives(const Workbench& bench, const Screen& scre
   return all;
 }
 
-void describe_confounding(AcceptedEffect& found, const Workbench& bench, const Screen& screen, std::size_t k) {
+void describe_confounding(AcceptedEffect& found, const Workbench& bench, Screen& screen, std::size_t k) {
   const Candidate& chosen = bench.accepted[k];
   const ProjectionInput input = bench.input(bench.used(), bench.accepted_columns(k));
   const SmoothProjection smooth(input, bench.design());
@@ -136,9 +136,9 @@ void suspend_if_undecided(ClosureResult& result, std::size_t k) {
   if (undecided) found.effect = result.model.effects[k + 1] = found.effect->suspended();  // the map comes first
 }
 
-void list_untestable(ClosureResult& result, const Workbench& bench, const Screen& screen) {
+void list_untestable(ClosureResult& result, const Workbench& bench, Screen& screen) {
   const SmoothProjection bare(bench.input(bench.used(), side_by_side({}, bench.size())), bench.design());
-  const Screen::View view = screen.view(bare);
+  const Screen::View view = screen.view(bare, bench.design().columns.cols(), bench.map_version());
   std::set<std::string> testable, listed;
   for (std::size_t k = 0; k < screen.candidates().size(); ++k)
     if (view.scores[k].rank > 0) testable.insert(screen.candidates()[k].effect->id());
@@ -151,7 +151,7 @@ void list_untestable(ClosureResult& result, const Workbench& bench, const Screen
 
 }  // namespace
 
-void conclude(ClosureResult& result, Workbench& bench, const Screen& screen, const Machine& machine,
+void conclude(ClosureResult& result, Workbench& bench, Screen& screen, const Machine& machine,
               const ClosureOptions& options) {
   // One effect more at a time, in the order in which they were accepted; the map has the prior that suits it best with
   // those effects, so that none is credited with what the map could have explained.

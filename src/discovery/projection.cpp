@@ -120,9 +120,12 @@ SmoothProjection::SmoothProjection(const ProjectionInput& input, const SmoothDes
 }
 
 Eigen::MatrixXd SmoothProjection::reduced(const Eigen::MatrixXd& z) const {
-  Eigen::MatrixXd r = x_.transpose() * (mask_.asDiagonal() * z);
-  root_.triangularView<Eigen::Lower>().solveInPlace(r);
-  return r;
+  return reduced_products(x_.transpose() * (mask_.asDiagonal() * z));
+}
+
+Eigen::MatrixXd SmoothProjection::reduced_products(Eigen::MatrixXd xz) const {
+  root_.triangularView<Eigen::Lower>().solveInPlace(xz);
+  return xz;
 }
 
 Eigen::MatrixXd SmoothProjection::expanded(const Eigen::MatrixXd& r) const {

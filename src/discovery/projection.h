@@ -68,6 +68,9 @@ class SmoothProjection : public Projection {
  public:
   SmoothProjection(const ProjectionInput& input, const SmoothDesign& design);
   Eigen::MatrixXd reduced(const Eigen::MatrixXd& z) const override;
+  /// The same from X' M Z, the map's columns first: with the same map and readings, only the prior changes it.
+  Eigen::MatrixXd reduced_products(Eigen::MatrixXd xz) const;
+  const Eigen::MatrixXd& columns() const { return x_; }  ///< X, all readings
 
   /// What the fit leaves of readings out of use, X_h mean taken off y_h, and F with covariance I + F F' of that.
   struct Prediction {

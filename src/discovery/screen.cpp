@@ -23,8 +23,24 @@ Eigen::MatrixXd Screen::gram(std::size_t k, const Eigen::VectorXd& mask) const {
   return z.transpose() * mask.asDiagonal() * z;
 }
 
-Screen::View Screen::view(const Projection& base) const {
-  View view{.base = &base, .reduced = base.reduced(columns_)};
+Screen::View Screen::view(const Projection& base) const { return view_of(base, base.reduced(columns_)); }
+
+Screen::View Screen::view(const SmoothProjection& base, Eigen::Index map_columns, int version) {
+  if (products_.version != version || products_.mask != base.mask()) {
+    products_.version = version;
+    products_.mask = base.mask();
+    products_.xz = base.columns().leftCols(map_columns).transpose() * (base.mask().asDiagonal() * columns_);
+  }
+  const Eigen::Index effects = base.columns().cols() - map_columns;
+  Eigen::MatrixXd xz(base.columns().cols(), columns_.cols());
+  xz.topRows(map_columns) = products_.xz;
+  if (effects > 0)
+    xz.bottomRows(effects) = (base.mask().asDiagonal() * base.columns().rightCols(effects)).transpose() * columns_;
+  return view_of(base, base.reduced_products(std::move(xz)));
+}
+
+Screen::View Screen::view_of(const Projection& base, Eigen::MatrixXd reduced_columns) const {
+  View view{.base = &base, .reduced = std::move(reduced_columns)};
   const Eigen::VectorXd products = columns_.transpose() * base.residual();
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Eigen::MatrixXd gram_z = gram(k, base.mask());
@@ -75,13 +91,15 @@ double Screen::sign_flip_level(const LinearProblem& problem, const View& view, c
 
   // Sum over each pose of what its readings contribute to W' Z' P left, for all candidates.
   const auto poses = static_cast<Eigen::Index>(problem.poses.size());
+  const auto pose_of = [&](Eigen::Index i) {
+    return static_cast<Eigen::Index>(problem.readings[static_cast<std::size_t>(i)].pose);
+  };
   Eigen::MatrixXd by_pose = Eigen::MatrixXd::Zero(poses, columns_.cols());
-  Eigen::MatrixXd of_pose = Eigen::MatrixXd::Zero(left.size(), poses);
-  for (Eigen::Index i = 0; i < left.size(); ++i)
-    of_pose(i, static_cast<Eigen::Index>(problem.readings[static_cast<std::size_t>(i)].pose)) =
-        left[i] * base.mask()[i];
+  for (Eigen::Index k = 0; k < columns_.cols(); ++k)
+    for (Eigen::Index i = 0; i < left.size(); ++i) by_pose(pose_of(i), k) += left[i] * columns_(i, k);
   // left' P Z by pose = left' Z - (B' left)' (B' Z), each pose's part of `left` by itself.
-  by_pose.noalias() = of_pose.transpose() * columns_;
+  Eigen::MatrixXd of_pose = Eigen::MatrixXd::Zero(left.size(), poses);
+  for (Eigen::Index i = 0; i < left.size(); ++i) of_pose(i, pose_of(i)) = left[i];
   by_pose.noalias() -= base.reduced(of_pose).transpose() * view.reduced;
   std::vector<Eigen::MatrixXd> whitened;
   for (std::size_t k = 0; k < candidates_.size(); ++k)

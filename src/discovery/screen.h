@@ -24,6 +24,9 @@ class Screen {
     std::vector<CandidateScore> scores;
   };
   View view(const Projection& base) const;
+  /// The same; `map_columns` of the base are the map's. What their product with all candidates is, is remembered for as
+  /// long as `version` of the map and the readings in use stay the same.
+  View view(const SmoothProjection& base, Eigen::Index map_columns, int version);
 
   /// The largest canonical correlation, outside the base, between what `columns` can do and each candidate.
   std::vector<double> correlations(const View& view, const Eigen::MatrixXd& columns) const;
@@ -37,6 +40,7 @@ class Screen {
 
  private:
   Eigen::MatrixXd gram(std::size_t k, const Eigen::VectorXd& mask) const;
+  View view_of(const Projection& base, Eigen::MatrixXd reduced) const;
   auto block(const Eigen::MatrixXd& all, std::size_t k) const {
     return all.middleCols(first_[k], first_[k + 1] - first_[k]);
   }
@@ -44,6 +48,11 @@ class Screen {
   std::vector<Candidate> candidates_;
   std::vector<Eigen::Index> first_;  ///< column of each, and one past the last
   Eigen::MatrixXd columns_;
+  struct {
+    int version = -1;
+    Eigen::VectorXd mask;
+    Eigen::MatrixXd xz;
+  } products_;
 };
 
 }  // namespace trunnion

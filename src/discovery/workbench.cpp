@@ -75,6 +75,7 @@ void Workbench::refit(const std::vector<bool>& rows) {
 void Workbench::set_basis(const HarmonicBasis& basis) {
   basis_ = basis;
   design_ = smooth_design(problem_, basis_, prior_);
+  ++map_version_;
 }
 
 double Workbench::chi2_p(const CandidateScore& by_smooth, const CandidateScore& by_free) const {

@@ -20,6 +20,7 @@ class Workbench {
   const HarmonicBasis& basis() const { return basis_; }
   const SmoothPrior& prior() const { return prior_; }
   const SmoothDesign& design() const { return design_; }
+  int map_version() const { return map_version_; }  ///< changes with the columns of the design
   const std::vector<bool>& used() const { return used_; }
   std::vector<bool> searched() const;  ///< in use and not kept back
   Eigen::Index size() const { return y_.size(); }
@@ -68,6 +69,7 @@ class Workbench {
   SmoothPrior prior_;
   bool has_prior_ = false;
   SmoothDesign design_;
+  int map_version_ = 0;
   Eigen::VectorXd y_;
   std::vector<bool> used_;
   std::unique_ptr<SmoothProjection> smooth_;
