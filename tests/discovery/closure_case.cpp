@@ -117,24 +117,33 @@ ClosureOutcome close_case(const ClosureCase& c) {
   return outcome;
 }
 
-double map_error_um(const Model& model, const VirtualMachine& machine) {
+double map_error_um(const Model& model, const ClosureOutcome& outcome) {
+  const std::vector<Situation>& touched = outcome.closure.problem.situations;
+  constexpr int kPlaces = 300;
   Noise places(99);
-  double sum = 0, count = 0;
-  for (int k = 0; k < 60; ++k) {
+  double sum = 0;
+  for (int k = 0; k < kPlaces; ++k) {
+    Situation s = touched[places.below(touched.size())];
     const double a = -90 * places.uniform(), c = 360 * places.uniform();
-    for (const double x : {-100.0, 100.0})
-      for (const double y : {-100.0, 100.0}) {
-        Situation s;
-        s.at = {Angle::degrees(a), Angle::degrees(c)};
-        s.point_r_mm = {x, y, 80};
-        MachineState state;
-        state.rotary = ac_degrees(a, c);
-        state.tip_r_mm = s.point_r_mm;
-        sum += (deviation_mm(model, s) - machine.deviation_mm(state)).squaredNorm();
-        ++count;
-      }
+    s.at = {Angle::degrees(a), Angle::degrees(c)};
+    s.point_r_mm = {places.uniform(-100, 100), places.uniform(-100, 100), places.uniform(60, 110)};
+    s.approach_r.setZero();
+    s.reading = ReadingKind::none;
+    MachineState state;
+    state.rotary = ac_degrees(a, c);
+    state.tip_r_mm = s.point_r_mm;
+    state.time_s = s.time_s;
+    state.temperature_C = s.temperature_C;
+    state.rotary_sense = {static_cast<double>(s.tilt_sense), 1, static_cast<double>(s.turn_sense)};
+    state.linear_sense = s.linear_sense;
+    state.order = static_cast<int>(s.order);
+    state.order_in_pose = static_cast<int>(s.order_in_pose);
+    state.repeat = s.repeat;
+    for (std::size_t j = 0; s.extra.names != nullptr && j < s.extra.names->size(); ++j)
+      state.covariates[(*s.extra.names)[j]] = s.extra.values[j];
+    sum += (deviation_mm(model, s) - outcome.machine.deviation_mm(state)).squaredNorm();
   }
-  return 1e3 * std::sqrt(sum / count);
+  return 1e3 * std::sqrt(sum / kPlaces);
 }
 
 }  // namespace trunnion::testing

@@ -47,8 +47,8 @@ struct ClosureOutcome {
 };
 ClosureOutcome close_case(const ClosureCase& c);
 
-/// Root mean square error of a model's deviation at positions all over the probed range, um: time 0, 20 deg C, positive
-/// senses of motion. Against what a perfect measurement would give: both count from the reference pose.
-double map_error_um(const Model& model, const VirtualMachine& machine);
+/// Root mean square error of a model's deviation, um, at places all over the probed range: each under the conditions
+/// (time, temperature, senses of motion, further columns) of one of the touches from which it was found.
+double map_error_um(const Model& model, const ClosureOutcome& outcome);
 
 }  // namespace trunnion::testing

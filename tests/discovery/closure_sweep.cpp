@@ -59,8 +59,8 @@ nlohmann::json row(const ClosureCase& c, const std::string& kind, const std::str
           {"chi2", r.after.reduced_chi2},
           {"holdout_before_um", r.before.holdout_rms_um},
           {"holdout_after_um", r.after.holdout_rms_um},
-          {"map_before_um", map_error_um(r.bare_model, outcome.machine)},
-          {"map_after_um", map_error_um(r.model, outcome.machine)},
+          {"map_before_um", map_error_um(r.bare_model, outcome)},
+          {"map_after_um", map_error_um(r.model, outcome)},
           {"outliers", r.outliers.size()},
           {"refused", r.refused},
           {"cpu_s", static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC}};

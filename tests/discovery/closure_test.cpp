@@ -33,7 +33,7 @@ TEST(Closure, NamesAnUndeclaredSquarenessAndMendsTheMap) {
   // The extended model predicts the machine, the bare map does not.
   Model bare = outcome.closure.model;
   bare.effects.resize(1);
-  EXPECT_LT(map_error_um(outcome.closure.model, outcome.machine), 0.5 * map_error_um(bare, outcome.machine));
+  EXPECT_LT(map_error_um(outcome.closure.model, outcome), 0.5 * map_error_um(bare, outcome));
 }
 
 TEST(Closure, NamesAnUndeclaredBacklash) {
