@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
 
 #include "discovery/process_gain.h"
 #include "model/effects/smooth.h"
@@ -15,17 +14,8 @@ namespace {
 struct Covariate {
   std::string column;
   double low = 0, high = 0;
-  std::optional<double> zero;  ///< the mean of a column whose zero means nothing
-  bool fine = false;           ///< may vary many times over its range: time and order
+  bool fine = false;  ///< may vary many times over its range: time and order
 };
-
-/// Whether the zero of a column is that of the machine, of time or of temperature; that of any other means nothing.
-bool has_a_zero(std::string_view name) {
-  static const std::vector<std::string_view> known = {"x_mm",  "y_mm",          "z_mm",   "xw_mm", "yw_mm",
-                                                      "zw_mm", "phi_deg",       "nz",     "A_deg", "B_deg",
-                                                      "C_deg", "temperature_C", "time_s", "order", "order_in_pose"};
-  return std::ranges::find(known, name) != known.end();
-}
 
 std::vector<Covariate> covariates(const LinearProblem& problem, const CandidateScope& scope) {
   std::vector<std::string> names = {"x_mm",    "y_mm",  "z_mm",
@@ -39,14 +29,11 @@ std::vector<Covariate> covariates(const LinearProblem& problem, const CandidateS
   for (const std::string& name : names) {
     Covariate c{name, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     c.fine = name == "time_s" || name == "order";
-    double sum = 0, count = 0;
     for (const Reading& reading : problem.readings)
       if (const auto value = smooth_covariate(name, problem.situations[reading.row], *problem.chain)) {
         c.low = std::min(c.low, *value);
         c.high = std::max(c.high, *value);
-        sum += *value, ++count;
       }
-    if (!has_a_zero(name)) c.zero = sum / count;
     if (c.high - c.low > 1e-9 * (1 + std::abs(c.high))) found.push_back(c);
   }
   return found;
@@ -109,7 +96,7 @@ class Trials {
     std::vector<SmoothAxis> axes;
     for (const std::size_t k : which) {
       const Covariate& c = covariates_[k];
-      axes.push_back({c.column, c.low, c.high, scale * (c.high - c.low), c.zero});
+      axes.push_back({c.column, c.low, c.high, scale * (c.high - c.low)});
     }
     const auto term = make_smooth(std::move(axes), direction, scope_.context);
     const ProcessGain process = best_process_gain(base_, unit_prior_columns(problem_, *term));

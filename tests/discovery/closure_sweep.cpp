@@ -1,5 +1,6 @@
 // Closes the loop on many virtual machines and prints what came of each, one JSON object a line:
 //   closure_sweep KIND MEASURED FIRST COUNT [NAME]
+//   closure_sweep list   the names of effects and inventions
 // KIND: effect, two, chips (NAME: an id, or two with a + between), invention (NAME), null, student, harmonics.
 // MEASURED: calibration, verified, three_passes, three_passes_verified.
 
@@ -69,6 +70,12 @@ nlohmann::json row(const ClosureCase& c, const std::string& kind, const std::str
 }  // namespace
 
 int main(int argc, char** argv) try {
+  if (argc == 2 && std::string(argv[1]) == "list") {
+    nlohmann::json names = {{"effects", undeclared_ids()}, {"inventions", nlohmann::json::array()}};
+    for (const Invention& i : inventions()) names["inventions"].push_back(i.name);
+    std::printf("%s\n", names.dump().c_str());
+    return 0;
+  }
   if (argc < 5) throw std::invalid_argument("closure_sweep KIND MEASURED FIRST COUNT [NAME]");
   const std::string kind = argv[1], name = argc > 5 ? argv[5] : "";
   ClosureCase c{.measured = measured_from(argv[2])};

@@ -143,7 +143,7 @@ SmoothTerm::SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, 
   prior_variances_ = Eigen::Map<Eigen::VectorXd>(kept.data(), static_cast<Eigen::Index>(kept.size()));
   for (std::size_t k = 0; k < terms_.size(); ++k) parameters_.push_back({"f" + std::to_string(k + 1), Unit::um});
   std::vector<double> zero;
-  for (const SmoothAxis& axis : axes_) zero.push_back(axis.zero.value_or(zero_of_column(phase_of(axis.column).column)));
+  for (const SmoothAxis& axis : axes_) zero.push_back(zero_of_column(phase_of(axis.column).column));
   at_zero_ = raw_functions(zero);
 }
 
@@ -227,11 +227,9 @@ json SmoothTerm::to_json() const {
   json j = Effect::to_json();
   j["direction"] = kDirections[static_cast<std::size_t>(direction_)];
   j["axes"] = json::array();
-  for (const SmoothAxis& axis : axes_) {
+  for (const SmoothAxis& axis : axes_)
     j["axes"].push_back(
         {{"column", axis.column}, {"low", axis.low}, {"high", axis.high}, {"length_scale", axis.length_scale}});
-    if (axis.zero) j["axes"].back()["zero"] = *axis.zero;
-  }
   return j;
 }
 
@@ -249,7 +247,6 @@ std::shared_ptr<SmoothTerm> SmoothTerm::read(const std::string& detail, const js
       throw ModelError(where + ": axes.column: a text is wanted");
     axes.push_back({entry["column"].get<std::string>(), number_at(entry, "low", where + ": axes"),
                     number_at(entry, "high", where + ": axes"), number_at(entry, "length_scale", where + ": axes")});
-    if (entry.contains("zero")) axes.back().zero = number_at(entry, "zero", where + ": axes");
   }
   auto term = std::make_shared<SmoothTerm>(std::move(axes),
                                            static_cast<SmoothDirection>(found - std::begin(kDirections)), context);

@@ -16,8 +16,7 @@ struct SmoothAxis {
   std::string column;
   double low = 0;
   double high = 0;
-  double length_scale = 1;     ///< in the column's units; distance over which the effect keeps its value
-  std::optional<double> zero;  ///< where the effect is nought; none: at the zero that the column has for every effect
+  double length_scale = 1;  ///< in the column's units; distance over which the effect keeps its value
   friend bool operator==(const SmoothAxis&, const SmoothAxis&) = default;
 };
 
@@ -25,10 +24,10 @@ struct SmoothAxis {
 enum class SmoothDirection { x, y, z, table_x, table_y, table_z, approach };
 
 /// d = (f(v) - f(v0)) c, a smooth function of one or two covariates along a direction, v0 their values at the zero of
-/// every effect, or what the axis says: a column whose zero means nothing is counted from its mean. f = sum_k beta_k
-/// phi_k is a Gaussian process with the squared-exponential kernel at reduced rank: sine eigenfunctions of the
-/// Laplacian on a box somewhat larger than the range (Solin & Saerkkae 2020), Fourier functions on a circle; products
-/// for two covariates. For a process of unit variance beta_k has prior_variances()[k].
+/// every effect. f = sum_k beta_k phi_k is a Gaussian process with the squared-exponential kernel at reduced rank:
+/// sine eigenfunctions of the Laplacian on a box somewhat larger than the range (Solin & Saerkkae 2020),
+/// Fourier functions on a circle; products for two covariates. For a process of unit variance beta_k has
+/// prior_variances()[k].
 class SmoothTerm : public Effect {
  public:
   SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context);
