@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/active_compensation.h"
 #include "app/command.h"
 #include "app/map_change.h"
 #include "app/text_table.h"
@@ -20,7 +21,7 @@ namespace trunnion {
 namespace {
 
 struct Options {
-  std::string machine, observations, verification, output;
+  std::string machine, observations, verification, output, active, active_only;
 };
 
 std::string joined_words(const std::vector<std::string>& words) {
@@ -113,13 +114,16 @@ std::string summary(const ClosureResult& r) {
 
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
-  ObservationSet all = read_observations(o.observations, machine);
+  std::vector<std::string> inputs = {o.machine};
+  const auto readings = [&](const std::string& path, const std::string& role) {
+    inputs.push_back(path);
+    ObservationSet set = read_observations(path, machine);
+    const bool active = !o.active.empty() && (o.active_only.empty() || o.active_only == role);
+    return active ? without_active(std::move(set), o.active, machine, inputs) : set;
+  };
+  ObservationSet all = readings(o.observations, "observations");
   const std::size_t calibration_rows = all.rows.size();
-  std::vector<std::string> inputs = {o.machine, o.observations};
-  if (!o.verification.empty()) {
-    all = joined(all, read_observations(o.verification, machine));
-    inputs.push_back(o.verification);
-  }
+  if (!o.verification.empty()) all = joined(all, readings(o.verification, "verification"));
   ClosureResult result = close_loop(all, calibration_rows, machine);
   const nlohmann::json provenance = provenance_json(inputs);
   nlohmann::json closure = closure_json(result);
@@ -167,6 +171,15 @@ Command close_command(CLI::App& program, const Talk& talk) {
   app->add_option("--verification", o->verification,
                   "A later measurement at other angles (CSV); part of it is kept back")
       ->type_name("V.csv")
+      ->group("Input");
+  CLI::Option* active = app->add_option("--active", o->active,
+                                        "The compensation that was switched on while measuring: a tables folder, or a "
+                                        "model")
+                            ->type_name("DIR|model.json")
+                            ->group("Input");
+  app->add_option("--active-only", o->active_only, "Which of the two files was measured with it; default: both")
+      ->check(CLI::IsMember({"observations", "verification"}))
+      ->needs(active)
       ->group("Input");
   app->add_option("-o,--output", o->output, "Folder for closure.json, model.json and residuals.csv")
       ->required()

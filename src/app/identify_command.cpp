@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/active_compensation.h"
 #include "app/command.h"
 #include "app/text_table.h"
 #include "error.h"
@@ -18,7 +19,7 @@ namespace trunnion {
 namespace {
 
 struct Options {
-  std::string machine, observations, output, method = "joint", interpolation, prior;
+  std::string machine, observations, output, method = "joint", interpolation, prior, active;
   double drift_um = -1, drift_urad = -1;  ///< negative: as the prior says
   bool fill = false, no_robust = false;
 };
@@ -142,10 +143,11 @@ EarlierMap earlier_map(const Options& o, const Machine& machine, const Talk& tal
 
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
-  const ObservationSet observations = read_observations(o.observations, machine);
+  ObservationSet observations = read_observations(o.observations, machine);
   IdentificationOptions options{.robust = !o.no_robust, .fill = o.fill, .interpolation = o.interpolation};
   options.method = o.method == "two-step" ? IdentificationMethod::two_step : IdentificationMethod::joint;
   std::vector<std::string> inputs = {o.machine, o.observations};
+  if (!o.active.empty()) observations = without_active(std::move(observations), o.active, machine, inputs);
   if (!o.prior.empty()) {
     options.earlier = earlier_map(o, machine, talk);
     inputs.push_back(o.prior);
@@ -156,6 +158,7 @@ int run(const Options& o, const Talk& talk) {
     fit["prior"]["drift"] = {{"um", options.earlier->drift.length.in_micrometres()},
                              {"urad", options.earlier->drift.angle.in_microradians()}};
   }
+  if (!o.active.empty()) fit["active"] = o.active;
   fit["observed"] = observed_json(observations);
   result.model.fit = std::make_shared<nlohmann::json>(fit);
   warn(result, talk, machine.tilt_letter());
@@ -175,6 +178,10 @@ Command identify_command(CLI::App& program, const Talk& talk) {
   app->add_option("--observations", o->observations, "Measurements (CSV)")
       ->required()
       ->type_name("O.csv")
+      ->group("Input");
+  app->add_option("--active", o->active,
+                  "The compensation that was switched on while measuring: a tables folder, or a model")
+      ->type_name("DIR|model.json")
       ->group("Input");
   app->add_option("-o,--output", o->output, "Model to write (JSON)")
       ->required()
