@@ -2,10 +2,12 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/active_compensation.h"
 #include "app/command.h"
 #include "app/map_change.h"
+#include "app/piece_closure.h"
 #include "app/text_table.h"
 #include "discovery/closure.h"
 #include "error.h"
@@ -22,6 +24,7 @@ namespace {
 
 struct Options {
   std::string machine, observations, verification, output, active, active_only;
+  PieceFiles piece;
 };
 
 std::string joined_words(const std::vector<std::string>& words) {
@@ -112,6 +115,17 @@ std::string summary(const ClosureResult& r) {
   return text;
 }
 
+std::string piece_text(const nlohmann::json& piece) {
+  std::vector<std::vector<std::string>> rows = {{"piece: measured less predicted", "before", "after", ""}};
+  for (const auto& [key, title] : {std::pair("rms_um", "rms"), std::pair("roundness_um", "roundness, the largest")}) {
+    rows.push_back({title});
+    for (const char* stage : {"before", "after"})
+      rows.back().push_back(piece[stage][key].is_number() ? formatted("%.3f", piece[stage][key].get<double>()) : "-");
+    rows.back().emplace_back("um");
+  }
+  return "\n" + text_table(rows);
+}
+
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
   std::vector<std::string> inputs = {o.machine};
@@ -121,12 +135,28 @@ int run(const Options& o, const Talk& talk) {
     const bool active = !o.active.empty() && (o.active_only.empty() || o.active_only == role);
     return active ? without_active(std::move(set), o.active, machine, inputs) : set;
   };
-  ObservationSet all = readings(o.observations, "observations");
-  const std::size_t calibration_rows = all.rows.size();
+  if (o.observations.empty() && o.piece.piece.empty())
+    throw UsageError("--observations: wanted, or --piece and --measured");
+  ObservationSet all;
+  if (!o.observations.empty()) all = readings(o.observations, "observations");
+  // Without readings on the machine the piece is what is searched, else it comes later than they do.
+  std::size_t calibration_rows = all.rows.size();
   if (!o.verification.empty()) all = joined(all, readings(o.verification, "verification"));
+  const std::size_t piece_rows = all.rows.size();
+  std::optional<PieceClosure> piece;
+  if (!o.piece.piece.empty()) {
+    piece.emplace(o.piece, machine, inputs);
+    const ObservationSet& points = piece->observations().set;
+    all = all.rows.empty() ? points : joined_with_piece(all, points);
+    if (o.observations.empty()) calibration_rows = all.rows.size();
+    if (piece->observations().unsteady > 0)
+      talk.say(std::to_string(piece->observations().unsteady) +
+               " points of the piece left out: an axis reversed while they were cut");
+  }
   ClosureResult result = close_loop(all, calibration_rows, machine);
   const nlohmann::json provenance = provenance_json(inputs);
   nlohmann::json closure = closure_json(result);
+  if (piece) closure["piece"] = piece->json(result, piece_rows);
   closure["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
   std::vector<CornerChange> changes;
   if (!result.effects.empty()) try {
@@ -150,8 +180,10 @@ int run(const Options& o, const Talk& talk) {
   folder.add("closure.json", closure.dump(1) + "\n");
   folder.add("model.json", model_text(result.model));
   folder.add("residuals.csv", residual_csv(result, machine.tilt_letter()));
+  if (piece) folder.add("piece.csv", piece->csv(result, piece_rows));
   folder.commit();
-  talk.show(summary(result) + (changes.empty() ? "" : corner_text(changes)));
+  talk.show(summary(result) + (changes.empty() ? "" : corner_text(changes)) +
+            (piece ? piece_text(closure["piece"]) : ""));
   if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
   talk.say("wrote " + o.output + "/closure.json, model.json, residuals.csv");
   return 0;
@@ -164,8 +196,7 @@ Command close_command(CLI::App& program, const Talk& talk) {
   CLI::App* app = program.add_subcommand(
       "close", "Close the loop: residual, its cause, the extended model, error before and after");
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
-  app->add_option("--observations", o->observations, "The calibration (CSV)")
-      ->required()
+  app->add_option("--observations", o->observations, "The calibration (CSV); may be missing where a piece is given")
       ->type_name("O.csv")
       ->group("Input");
   app->add_option("--verification", o->verification,
@@ -181,13 +212,30 @@ Command close_command(CLI::App& program, const Talk& talk) {
       ->check(CLI::IsMember({"observations", "verification"}))
       ->needs(active)
       ->group("Input");
-  app->add_option("-o,--output", o->output, "Folder for closure.json, model.json and residuals.csv")
+  CLI::Option* piece = app->add_option("--piece", o->piece.piece, "A test piece that was cut on the machine (TOML)")
+                           ->type_name("P.toml")
+                           ->group("Piece");
+  CLI::Option* measured = app->add_option("--measured", o->piece.measured, "What was measured of it (CSV)")
+                              ->type_name("T.csv")
+                              ->needs(piece)
+                              ->group("Piece");
+  piece->needs(measured);
+  app->add_option("--program", o->piece.program, "The program that cut it; default: the planned path")
+      ->type_name("N.nc")
+      ->needs(piece)
+      ->group("Piece");
+  app->add_option("--job", o->piece.job, "Work offsets and covariates of that program (TOML)")
+      ->type_name("J.toml")
+      ->needs(piece)
+      ->group("Piece");
+  app->add_option("-o,--output", o->output, "Folder for closure.json, model.json, residuals.csv and piece.csv")
       ->required()
       ->type_name("DIR")
       ->group("Output");
   app->footer(
       "Example:\n  trunnion close --machine machine.toml --observations calibration.csv --verification later.csv -o "
-      "closed");
+      "closed\n  trunnion close "
+      "--machine machine.toml --observations calibration.csv --piece piece.toml --measured traces.csv -o closed");
   return {app, [o, &talk] { return run(*o, talk); }};
 }
 
