@@ -83,6 +83,8 @@ int run(int argc, char** argv) {
            predict_command,
            correct_command,
            close_command,
+           plan_command,
+           import_command,
            tables_command,
            history_command,
            batch_command,

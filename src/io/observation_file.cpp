@@ -259,4 +259,35 @@ ObservationSet read_observations(const std::string& path, const Machine& machine
   return parse_observations(text, path, machine);
 }
 
+std::string observations_text(const ObservationSet& set, char tilt_letter) {
+  const std::string tilt(1, tilt_letter);
+  std::string text = tilt + "_deg,C_deg,point,artifact,x_mm,y_mm,z_mm,nx,ny,nz";
+  if (set.has_repeat) text += ",repeat";
+  if (set.has_time) text += ",time_s";
+  if (set.has_tilt_sense) text += "," + tilt + "_dir";
+  if (set.has_turn_sense) text += ",C_dir";
+  text += '\n';
+  for (const Observation& o : set.rows) {
+    append_number(text, o.at.a.in_degrees());
+    text += ',';
+    append_number(text, o.at.c.in_degrees());
+    text += ',' + set.points[o.point] + ',' + (set.artifacts.empty() ? std::string() : set.artifacts[o.artifact]);
+    for (const Eigen::Vector3d* v : {&o.position_mm, &o.direction})
+      for (Eigen::Index k = 0; k < 3; ++k) {
+        text += ',';
+        // A millionth of a mm, and of a direction: what is below is rounding of angles.
+        append_number(text, std::round((*v)[k] * 1e9) / 1e9);
+      }
+    if (set.has_repeat) text += ',' + std::to_string(o.repeat);
+    if (set.has_time) {
+      text += ',';
+      append_number(text, o.time_s);
+    }
+    if (set.has_tilt_sense) text += ',' + std::to_string(o.tilt_sense);
+    if (set.has_turn_sense) text += ',' + std::to_string(o.turn_sense);
+    text += '\n';
+  }
+  return text;
+}
+
 }  // namespace trunnion

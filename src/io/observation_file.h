@@ -15,4 +15,7 @@ ObservationSet read_observations(const std::string& path, const Machine& machine
 /// The same from text; `name` stands for the file in messages.
 ObservationSet parse_observations(std::string_view text, const std::string& name, const Machine& machine);
 
+/// Contacts as an observations file (CSV): the columns that `set` carries.
+std::string observations_text(const ObservationSet& set, char tilt_letter);
+
 }  // namespace trunnion
