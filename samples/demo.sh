@@ -56,4 +56,8 @@ echo
 echo "As programmed and as corrected, the first blocks that differ:"
 diff --side-by-side --suppress-common-lines --width=120 samples/correct/part.ngc "$out/corrected.ngc" | head -n 14 || true
 
-printf '\nThe results are in %s.\n' "$out"
+step "4. Does the map explain the readings, or is something missing? And all of it on one page"
+run close --machine samples/calibrate/machine.toml --observations samples/calibrate/replica.csv -o "$out/closed"
+run report "$out" -o "$out/report.html"
+
+printf '\nThe results are in %s; open %s in a browser.\n' "$out" "$out/report.html"

@@ -85,6 +85,7 @@ int run(int argc, char** argv) {
            close_command,
            plan_command,
            import_command,
+           report_command,
            tables_command,
            history_command,
            batch_command,
