@@ -89,8 +89,7 @@ std::string summary(const ClosureResult& r) {
             {"  " + p.name, formatted("%.4g", to_unit(p.value, p.unit)), std::string(unit_text(p.unit).text)});
       text += text_table(rows);
     }
-    text += (e.p_value < 1e-16 ? "  family-wise p below 1e-16" : formatted("  family-wise p %.1e", e.p_value)) +
-            formatted(", visible fraction %.2f", e.visible_fraction) +
+    text += "  family-wise p " + p_value_text(e.p_value) + formatted(", visible fraction %.2f", e.visible_fraction) +
             formatted(", up to %.2f um in a reading", e.largest_um) +
             formatted("\n  residual rms %.3f", e.rms_before_um) + formatted(" -> %.3f um", e.rms_after_um) +
             formatted(", poses kept back %.3f", e.holdout_before_um) + formatted(" -> %.3f um\n", e.holdout_after_um);

@@ -51,8 +51,7 @@ std::string summary(const IdentificationResult& r, const Machine& machine) {
     const bool of_c = e.symbol.back() == 'C';
     rows.push_back({e.symbol, formatted("%.3f", to_unit(e.largest, e.unit)),
                     formatted("%.3f", to_unit(e.largest_std, e.unit)), std::string(unit_text(e.unit).text),
-                    position_text(e.largest_at, tilt, of_c), formatted("%.1e", e.p_value),
-                    e.told_from_zero ? "yes" : "no"});
+                    position_text(e.largest_at, tilt, of_c), p_value_text(e.p_value), e.told_from_zero ? "yes" : "no"});
   }
   text += text_table(rows);
   if (!r.location.symbols.empty()) {
@@ -108,7 +107,7 @@ void warn(const IdentificationResult& r, const Talk& talk, char tilt) {
   }
   for (const std::string& name : r.undetermined) talk.warn(name + ": not determined by these readings");
   if (r.belief && r.belief->p_value < 1e-3)
-    talk.warn("the readings contradict the prior" + formatted(" (p %.1e)", r.belief->p_value) +
+    talk.warn("the readings contradict the prior (p " + p_value_text(r.belief->p_value) + ")" +
               ": the machine has moved further than the drift allows, or was set up otherwise; measure it in full and "
               "identify without --prior");
   if (!r.interpolated_nodes.empty())

@@ -65,7 +65,6 @@ std::vector<double> numbers(const json& list) {
   for (const json& v : list) out.push_back(v.is_number() ? v.get<double>() : kMissing);
   return out;
 }
-std::string p_text(double p) { return p < 1e-16 ? "below 1e-16" : formatted("%.1e", p); }
 
 void provenance(Page& page, const Result& file) {
   std::string line = file.path + ", written by " + text(file.content, "program");
@@ -147,7 +146,7 @@ void model_section(Page& page, const Result& file) {
     for (const auto& [axis, angle] : part(e, "at").items())
       at += (at.empty() ? "" : ", ") + axis.substr(0, 1) + " " + formatted("%.4g", angle.get<double>());
     rows.push_back({symbol, shown_with(number(e, "largest"), number(e, "std")), symbol[1] >= 'X' ? "um" : "urad", at,
-                    number(e, "p_value") < 0.01 ? "yes, p " + p_text(number(e, "p_value")) : "no"});
+                    number(e, "p_value") < 0.01 ? "yes, p " + p_value_text(number(e, "p_value")) : "no"});
   }
   page.table(rows, "The largest value of each error");
   rows = {{"location error", "value", "unit"}};
@@ -207,7 +206,7 @@ void closure_section(Page& page, const Result& file) {
   for (const json& e : part(c, "effects")) {
     page.heading(text(e, "id"));
     page.paragraph("Belongs to the " + text(e, "origin") + "; depends on " + listed(part(e, "depends_on")) +
-                   ". Family-wise p " + p_text(number(e, "p_value")) + ", visible fraction " +
+                   ". Family-wise p " + p_value_text(number(e, "p_value")) + ", visible fraction " +
                    shown(number(e, "visible_fraction"), "%.2f") + ", up to " + shown(number(e, "largest_um"), "%.2f") +
                    " um in a reading; poses kept back " + shown(number(e, "holdout_before_um")) + " to " +
                    shown(number(e, "holdout_after_um")) + " um. " +

@@ -33,4 +33,7 @@ inline std::string with_uncertainty(double value, double std) {
   return fixed_text(value, decimals) + " +- " + fixed_text(std, decimals);
 }
 
+/// A probability that noise alone would give as much. Far below what a double's tails are good for, only that it is.
+inline std::string p_value_text(double p) { return p < 1e-16 ? "<1e-16" : formatted("%.1e", p); }
+
 }  // namespace trunnion

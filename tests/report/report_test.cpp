@@ -41,7 +41,7 @@ TEST(EvidencePage, ShowsWhatTheResultsHoldAndNothingOfTheNetwork) {
   const std::string page = evidence_page({model_file("7"), closure});
   for (const char* shown :
        {"Mill &lt;1&gt;, serial 7", "35.20 +- 0.56", "Verdict: explained.", "25.50 +- 0.24", "abc123",
-        "cannot tell it from thermal_drift", "payload_sag", "id=\"identification\"", "id=\"closure\"", "below 1e-16"})
+        "cannot tell it from thermal_drift", "payload_sag", "id=\"identification\"", "id=\"closure\"", "&lt;1e-16"})
     EXPECT_THAT(page, HasSubstr(shown));
   EXPECT_THAT(page, Not(HasSubstr("</script><b>")));  // neither as text nor inside the data
   EXPECT_THAT(page, Not(HasSubstr("id=\"piece\"")));
