@@ -73,7 +73,6 @@ void append_pitch(const CompensationTask& task, std::vector<Entry>& entries, boo
   entries.push_back({3624, axis, interval, true});
   if (turning) entries.push_back({3625, axis, 360, true});
   if (std::abs(reversal_deg) > 1e-9) {
-    entries.push_back({3605, axis, 1});
     entries.push_back({3627, axis, in_units(-sign * reversal_deg / unit)});
   }
   double before = in_units(totals.front());
@@ -314,17 +313,47 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
   return std::make_unique<Fanuc>(read_parameters(*found), task, found->name);
 }
 
-std::string loading(const CompensationTask& task, const std::vector<TableFile>&) {
+std::string loading(const CompensationTask& task, const std::vector<TableFile>& files) {
+  const bool reverses =
+      std::ranges::any_of(files, [](const TableFile& f) { return f.text.find("\nN3627") != std::string::npos; });
   return "## Steps\n\n1. Save all parameters and pitch error data of the machine first.\n2. Parameter write enable; "
          "read in `" +
          std::string(kParameterFile) + "` (or run `" + kG10File +
          "`, which says the same).\n3. Power off and on (3620 to 3627), then return to the reference position.\n4. "
          "Tool centre point control: 19700 to 19705 hold where the axes "
          "were found, counted from R's origin as the machine file has it. Add your machine's own origin if it "
-         "differs.\n\nThe detection unit is taken as " +
-         shortest_text(total_unit(task)) +
+         "differs.\n" +
+         (reverses ? "5. Bit 0 of 3605 = 1 for the axes that have a 3627: values differ with the sense of motion. The "
+                     "file leaves 3605 alone, its other bits are the machine's.\n"
+                   : "") +
+         "\nThe detection unit is taken as " + shortest_text(total_unit(task)) +
          " deg (profile.detection_unit_deg). The numbers of 3623 and 3624 belong to it.\n\nUndo: read the saved data "
          "back in; power off and on.\n";
+}
+
+/// A pitch of seven units up and down again, 30 deg apart, on the way of each rotary axis from its reference.
+std::vector<TableFile> commissioning(const CompensationTask& task) {
+  std::string text = "%\n";
+  for (const bool turning : {false, true}) {
+    const long reference = kReference[turning ? 1 : 0], low = turning ? 0 : -3, high = turning ? 12 : 3;
+    const std::string axis =
+        "A" +
+        shortest_text(task.profile.number(std::string("axis_number_") + (turning ? 'C' : task.machine.tilt_letter())));
+    const auto line = [&](long number, const std::string& value) {
+      text += "N" + std::to_string(number) + (number < kPitchBase ? axis : "") + "P" + value + ";\n";
+    };
+    line(3620, std::to_string(reference));
+    line(3621, std::to_string(reference + low));
+    line(3622, std::to_string(reference + high));
+    line(3623, "1");
+    line(3624, "30.0000");
+    if (turning) line(3625, "360.0000");
+    for (long k = low; k <= high; ++k)
+      line(kPitchBase + reference + k, k == -1 || (turning && k == 2)   ? "7"
+                                       : k == -2 || (turning && k == 3) ? "-7"
+                                                                        : "0");
+  }
+  return {{"one_pitch_PARAM.TXT", text + "%\n"}};
 }
 
 }  // namespace
@@ -347,7 +376,9 @@ Controller fanuc_30i() {
           {{{"pitch_sign",
              "Is a stored pitch increment added to the movement, or taken from it?",
              {"add", "subtract"},
-             "Enter +7 at one point beyond the reference of A, move past it and read the axis against an indicator."},
+             "Load commissioning/one_pitch (3620 to 3624 of A and C, everything else 0), power off and on, reference, "
+             "turn C from 0 to 60 deg and read it against an indicator: it stands 7 detection units further than "
+             "without the table if increments are added, and back in place at 90."},
             {"pitch_interpolation",
              "Is the correction spread evenly between points (interpolated type)?",
              {"even"},
@@ -366,7 +397,7 @@ Controller fanuc_30i() {
       .emit = emit,
       .play = play,
       .loading = loading,
-      .commissioning = nullptr};
+      .commissioning = commissioning};
 }
 
 }  // namespace trunnion

@@ -278,39 +278,55 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>&)
          "description.\n\nUndo: the old kinematics table, and no active line in the .CMA.\n";
 }
 
+/// One node of 0.005 deg: in each axis' own column, and in C6 of the tilting axis.
+std::vector<TableFile> commissioning(const CompensationTask& task) {
+  const Axis &tilt = task.machine.tilt(), &turn = task.machine.turn();
+  const auto peak = [&](const Axis& axis, const std::vector<double>& nodes, std::size_t component) {
+    const double sense = component == own_of(axis).component ? own_of(axis).sense : 1;
+    const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
+    Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(6, static_cast<Eigen::Index>(nodes.size()));
+    errors(static_cast<Eigen::Index>(component), 1) = as_error * sense * 0.005 * kDegree;
+    return com_text(task, axis, nodes, errors, {});
+  };
+  return {{"own_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, own_of(tilt).component)},
+          {"yaw_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, 5)},
+          {"turn_peak_" + com_file(turn.letter), peak(turn, {0, 30, 60, 360}, own_of(turn).component)}};
+}
+
 }  // namespace
 
 Controller heidenhain() {
-  return {
-      .name = "heidenhain",
-      .title = "HEIDENHAIN TNC 640, iTNC 530: axis error tables and KinematicsComp",
-      .cannot_hold =
-          "errors of C that change with the tilt, what depends on the sense of motion, and what linear axes do.",
-      .questions =
-          {{{"com_sign",
-             "Are .COM and COMPTAB values errors that the control takes away, or corrections that it adds?",
-             {"error", "correction"},
-             "One .COM table with 0.005 deg in the axis' own column at one node: move there and read the axis against "
-             "an indicator."},
-            {"comptab_prefix",
-             "What stands before the column's name in COMPTAB?",
-             {"axis letter", "A"},
-             "Compare with a kinematics table that the control ships."},
-            {"com_angles",
-             "Are angular columns C4 to C6 in degrees, and is the table linear between entries?",
-             {"degrees, linear"},
-             "One table with 0.005 deg in C6 at one node: X moves by the distance in Y from the axis times 0.0000873."},
-            {"com_layout",
-             "Does the control take this layout of columns?",
-             {"yes"},
-             "Import AXIS_C.COM and look at it on the screen."}},
-           {{"com_decimals", "decimals of the values", 4, 3, 7}}},
-      .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
-                   Angle::degrees(3)},
-      .emit = emit,
-      .play = play,
-      .loading = loading,
-      .commissioning = nullptr};
+  return {.name = "heidenhain",
+          .title = "HEIDENHAIN TNC 640, iTNC 530: axis error tables and KinematicsComp",
+          .cannot_hold =
+              "errors of C that change with the tilt, what depends on the sense of motion, and what linear axes do.",
+          .questions =
+              {{{"com_sign",
+                 "Are .COM and COMPTAB values errors that the control takes away, or corrections that it adds?",
+                 {"error", "correction"},
+                 "Load commissioning/own_peak as AXIS_A.COM (AXIS_B.COM), tilt to -30 deg and read the axis against an "
+                 "indicator: it stands 0.005 deg short of the command if the control takes errors away."},
+                {"comptab_prefix",
+                 "What stands before the column's name in COMPTAB?",
+                 {"axis letter", "A"},
+                 "Compare with a kinematics table that the control ships."},
+                {"com_angles",
+                 "Are angular columns C4 to C6 in degrees, and is the table linear between entries?",
+                 {"degrees, linear"},
+                 "Load commissioning/yaw_peak with the rows of KINEMATICS_COMP.TXT, tilt to -30 deg: X moves by the "
+                 "distance "
+                 "in Y from the axis times 0.0000873, and half of it at -15 deg."},
+                {"com_layout",
+                 "Does the control take this layout of columns?",
+                 {"yes"},
+                 "Import AXIS_C.COM and look at it on the screen."}},
+               {{"com_decimals", "decimals of the values", 4, 3, 7}}},
+          .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
+                       Angle::degrees(5), Angle::degrees(3)},
+          .emit = emit,
+          .play = play,
+          .loading = loading,
+          .commissioning = commissioning};
 }
 
 }  // namespace trunnion
