@@ -60,7 +60,8 @@ std::string summary(const ClosureResult& r) {
   std::string text = "Verdict: " + std::string(verdict_text(r.verdict)) + ".\n";
   text += std::to_string(r.problem.readings.size()) + " readings at " + std::to_string(r.problem.poses.size()) +
           " poses, " + std::to_string(r.columns_scanned) + " columns of candidates scanned, declared sigma " +
-          formatted("%.3f um", r.noise_um) + "\n\n";
+          formatted("%.3f um", r.noise_um) +
+          (r.thinned ? "\nof a long log one reading of each run was searched, drawn at random\n\n" : "\n\n");
   std::vector<std::vector<std::string>> rows = {{"", "before", "after", ""}};
   rows.push_back({"residual rms", formatted("%.3f", r.before.rms_um), formatted("%.3f", r.after.rms_um), "um"});
   rows.push_back(

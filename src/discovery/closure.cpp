@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <random>
 #include <set>
 
 #include "discovery/closure_result.h"
@@ -333,9 +334,37 @@ std::string_view verdict_text(Verdict verdict) {
   return {};
 }
 
+namespace {
+
+/// One row of each run of `stride`, drawn at random, so that no period of the log is in step with the choice.
+ObservationSet one_of_each(const ObservationSet& all, std::size_t stride, std::size_t& verification_from) {
+  ObservationSet some = all;
+  some.rows.clear(), some.file_of_row.clear(), some.extra_values.clear();
+  std::mt19937_64 random(stride);
+  const std::size_t columns = all.extra_columns.size();
+  std::size_t before = 0;
+  for (std::size_t first = 0; first < all.rows.size(); first += stride) {
+    const std::size_t row = first + random() % std::min(stride, all.rows.size() - first);
+    if (row < verification_from) ++before;
+    some.rows.push_back(all.rows[row]);
+    if (!all.file_of_row.empty()) some.file_of_row.push_back(all.file_of_row[row]);
+    const auto values = all.extra_values.begin() + static_cast<std::ptrdiff_t>(row * columns);
+    some.extra_values.insert(some.extra_values.end(), values, values + static_cast<std::ptrdiff_t>(columns));
+  }
+  verification_from = verification_from >= all.rows.size() ? some.rows.size() : before;
+  return some;
+}
+
+}  // namespace
+
 ClosureResult close_loop(const ObservationSet& all, std::size_t verification_from, const Machine& machine,
                          const ClosureOptions& options) {
-  return Search(all, verification_from, machine, options).run();
+  if (all.rows.size() <= 2 * options.most_readings) return Search(all, verification_from, machine, options).run();
+  const std::size_t stride = (all.rows.size() + options.most_readings - 1) / options.most_readings;
+  const auto some = std::make_shared<const ObservationSet>(one_of_each(all, stride, verification_from));
+  ClosureResult result = Search(*some, verification_from, machine, options).run();
+  result.thinned = some;
+  return result;
 }
 
 }  // namespace trunnion

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct ClosureOptions {
   double smooth_level = 0.001;  ///< chi-square below which the smooth fallback opens
   int most_effects = 4;
   int folds = 5;  ///< of poses, where there is no verification
+  std::size_t most_readings =
+      8000;  ///< of a longer log, one reading of each run of so many is searched, drawn at random
 };
 
 enum class Verdict { nothing_missing, explained, partly_explained, unexplained };
@@ -72,7 +75,8 @@ struct ClosureResult {
   Model bare_model;  ///< the same data's map without them
   std::size_t columns_scanned = 0;
   std::vector<std::size_t> outliers;                    ///< readings left out
-  LinearProblem problem;                                ///< all readings, calibration first
+  LinearProblem problem;                                ///< all readings searched, calibration first
+  std::shared_ptr<const ObservationSet> thinned;        ///< what is searched of a long log; else empty
   std::vector<double> residual_before, residual_after;  ///< per reading, mm or rad
   std::vector<bool> holdout;                            ///< per reading
 };

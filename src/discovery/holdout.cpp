@@ -10,16 +10,38 @@ bool Split::has_holdout() const {
   return std::ranges::any_of(holdout, [](bool b) { return b; });
 }
 
+namespace {
+
+/// What is looked at, or kept back, together: the pose of each reading, or its block of a log.
+std::vector<std::size_t> places(const LinearProblem& problem) {
+  constexpr std::size_t kFreedoms = 6, kRuns = 8;
+  constexpr double kTilt_deg = 15, kTurn_deg = 30;
+  const std::size_t n = problem.readings.size();
+  std::vector<std::size_t> place(n);
+  const bool log = problem.poses.size() * kFreedoms > n;
+  for (std::size_t i = 0; i < n; ++i) {
+    place[i] = problem.readings[i].pose;
+    if (!log) continue;
+    const IndexedPosition at = problem.poses[problem.readings[i].pose].at;
+    const auto tilt = static_cast<std::size_t>((at.a.in_degrees() + 720) / kTilt_deg);
+    const auto turn = static_cast<std::size_t>(std::fmod(at.c.in_degrees() + 720000, 360) / kTurn_deg);
+    place[i] = (i * kRuns / n * 97 + tilt) * 12 + turn;
+  }
+  return place;
+}
+
+}  // namespace
+
 Split split_by_poses(const LinearProblem& problem, std::size_t verification_from, int folds) {
   const std::size_t n = problem.readings.size();
   Split split{.search = std::vector<bool>(n, true), .holdout = std::vector<bool>(n, false)};
+  const std::vector<std::size_t> place = places(problem);
   std::size_t visits = 0;
   bool kept_back = false;
   for (std::size_t i = 0; i < n; ++i) {
     const Reading& reading = problem.readings[i];
     if (reading.row < verification_from || problem.poses[reading.pose].reference) continue;
-    const bool moved =
-        i == 0 || reading.pose != problem.readings[i - 1].pose || problem.readings[i - 1].row < verification_from;
+    const bool moved = i == 0 || place[i] != place[i - 1] || problem.readings[i - 1].row < verification_from;
     if (moved) kept_back = visits++ % 2 == 1;
     split.holdout[i] = kept_back;
     split.search[i] = !kept_back;
@@ -28,7 +50,7 @@ Split split_by_poses(const LinearProblem& problem, std::size_t verification_from
     std::vector<bool> out(n, false);
     for (std::size_t i = 0; i < n; ++i)
       out[i] = split.search[i] && !problem.poses[problem.readings[i].pose].reference &&
-               static_cast<int>(problem.readings[i].pose) % folds == f;
+               static_cast<int>(place[i]) % folds == f;
     if (std::ranges::any_of(out, [](bool b) { return b; })) split.folds.push_back(std::move(out));
   }
   return split;

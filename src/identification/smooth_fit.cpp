@@ -144,11 +144,10 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
     value += 0.5 * w * system.square[c] + system.count[c] * std::log(noise[c]);
   }
   if (system.extra_precision.size() > 0) joint.diagonal().tail(system.extra_precision.size()) += system.extra_precision;
-  // An unknown that no reading in use sees stays at zero.
-  const double largest = std::max(1.0, joint.diagonal().tail(system.size - system.coefficients).size() > 0
-                                           ? joint.diagonal().tail(system.size - system.coefficients).maxCoeff()
-                                           : 1.0);
-  for (Eigen::Index k = system.coefficients; k < system.size; ++k) joint(k, k) += 1e-12 * largest;
+  // An unknown that no reading in use sees stays at zero, and two that are alike share; each in its own scale, for an
+  // encoder's zero and a backlash differ by twelve orders of magnitude.
+  for (Eigen::Index k = system.coefficients; k < system.size; ++k)
+    joint(k, k) += joint(k, k) > 0 ? 1e-12 * joint(k, k) : 1;
   const Eigen::LLT<Eigen::MatrixXd> factor(joint);
   if (factor.info() != Eigen::Success) return e;
   e.solution = factor.solve(rhs);

@@ -66,6 +66,8 @@ json closure_json(const ClosureResult& r) {
   j["untestable"] = json::array();
   for (const Untestable& u : r.untestable) j["untestable"].push_back({{"id", u.id}, {"separate_by", u.separate_by}});
   j["refused"] = r.refused;
+  j["readings"] = r.problem.readings.size();
+  j["thinned"] = r.thinned != nullptr;
   j["columns_scanned"] = r.columns_scanned;
   j["outliers"] = json::array();
   for (const std::size_t i : r.outliers)

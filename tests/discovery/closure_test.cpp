@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "discovery/closure_case.h"
+#include "identification/as_observations.h"
 
 namespace trunnion {
 namespace {
@@ -66,6 +68,47 @@ TEST(Closure, LetsChipsNeitherBecomeAnEffectNorHideOne) {
   EXPECT_FALSE(nothing.closure.outliers.empty());
   const testing::ClosureOutcome hidden = close_case({.seed = 5, .effects = {"linear_scale:X"}, .noise = chips});
   EXPECT_TRUE(hidden.found("linear_scale:X"));
+}
+
+/// An encoder on the table, C turning slowly up and down: a map of two harmonics, a backlash, ninety teeth.
+ObservationSet encoder_log(std::size_t rows) {
+  testing::Noise noise(4);
+  std::vector<testing::ObservationRow> log;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const std::size_t quarter = i * 4 / rows;
+    const double share = static_cast<double>(i * 4 % rows) / static_cast<double>(rows);
+    testing::ObservationRow row{
+        .kind = "rotation", .C_deg = 360 * (quarter % 2 == 0 ? share : 1 - share), .artifact = "enc"};
+    const double c = row.C_deg * std::numbers::pi / 180;
+    row.m = Eigen::Vector3d::UnitZ();
+    row.value_urad =
+        8 * std::cos(c) + 3 * std::sin(2 * c) + 6 * std::cos(90 * c) + (quarter % 2 == 0 ? 0 : 12) + noise.normal();
+    row.time_s = static_cast<double>(i) * .1;
+    row.C_dir = quarter % 2 == 0 ? 1 : -1;
+    log.push_back(row);
+  }
+  ObservationSet set = testing::as_observations(log, "log.csv");
+  for (Observation& o : set.rows) o.sigma = 1e-6;
+  set.has_sigma = true;
+  return set;
+}
+
+TEST(Closure, FindsWhatAnEncoderLogHolds) {
+  const ObservationSet log = encoder_log(2000);
+  for (const std::size_t most : {std::size_t{8000}, std::size_t{1000}}) {
+    const ClosureResult closure = close_loop(log, log.rows.size(), testing::plain_machine(), {.most_readings = most});
+    EXPECT_EQ(closure.thinned != nullptr, most < 1500);
+    EXPECT_EQ(closure.problem.readings.size(), std::min(most, log.rows.size()));
+    ASSERT_EQ(closure.effects.size(), 2U);
+    EXPECT_EQ(closure.verdict, Verdict::explained);
+    for (const AcceptedEffect& e : closure.effects) {
+      const bool backlash = e.effect->id() == "backlash:C";
+      EXPECT_TRUE(backlash || e.effect->id() == "cyclic_error:C:90") << e.effect->id();
+      const double wanted = backlash ? 12e-6 : 6e-6;
+      EXPECT_NEAR(e.effect->values()[0], wanted, 5 * std::sqrt(e.effect->covariance()(0, 0)));
+      EXPECT_LT(std::sqrt(e.effect->covariance()(0, 0)), 0.2e-6);
+    }
+  }
 }
 
 TEST(Closure, SaysWhatTheDataCannotTest) {
