@@ -6,7 +6,8 @@ import platform
 import sys
 
 GROUPS = {"machine": "The machine itself", "deviations": "Deviations at positions in no order, one core",
-          "baking": "Preparing",
+          "baking": "Preparing", "identification": "330 touches to error maps, in process",
+          "reading": "Reading", "closure": "Closing the loop",
           "correct regular": "Correcting a regular program, file to file",
           "correct irregular": "Correcting an irregular program, file to file"}
 # (group, the fast one, begins with; the other, begins with; wanted)
@@ -15,6 +16,8 @@ RATIOS = [("deviations", "baked map", "scipy", 10),
           ("correct irregular", "trunnion correct, two threads", "rs274", 6)]
 # (group, begins with, items a second wanted)
 WANTED = [("deviations", "baked map", 1e7)]
+# (group, begins with, ms at most)
+AT_MOST = [("identification", "joint fit", 3), ("closure", "657 touches, a backlash", 1000)]
 KNOWN = {"name", "run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations", "real_time",
          "cpu_time", "time_unit", "items_per_second", "bytes_per_second", "family_index", "per_family_instance_index",
          "repetition_index", "aggregate_name", "aggregate_unit"}
@@ -70,6 +73,10 @@ def main():
             if of == group and (r := find(beginning)):
                 verdict = "met" if r["items_per_second"] >= wanted else "NOT met"
                 lines += [f"Wanted of the {beginning}: {quantity(wanted, '/s')}; {verdict}.", ""]
+        for of, beginning, wanted in AT_MOST:
+            if of == group and (r := find(beginning)):
+                taken = r["real_time"] * {"ns": 1e-6, "us": 1e-3, "ms": 1, "s": 1e3}[r["time_unit"]]
+                lines += [f"Wanted of the {beginning}: at most {wanted} ms; {'met' if taken <= wanted else 'NOT met'}.", ""]
         for of, fast, slow, wanted in RATIOS:
             if of == group and (f := find(fast)) and (s := find(slow)):
                 ratio = f["items_per_second"] / s["items_per_second"]

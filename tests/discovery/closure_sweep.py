@@ -1,6 +1,7 @@
 """Closes the loop on thousands of virtual machines and writes what came of it into docs/closing-the-loop.md.
 
     closure_sweep.py --program closure_sweep [--draws 100] [--nulls 400] [--jobs N] [--rows FILE] [--page PAGE]
+    closure_sweep.py --again FILE [--page PAGE]        the tables of the rows that an earlier run kept
 
 Exit status 1 where fewer than 95 % of the undeclared effects that can be seen are named, more than 5 % of what is
 accepted is wrong, or more than 3 % of the machines that lack nothing are said to lack something."""
@@ -127,29 +128,38 @@ def other_table(rows):
     return lines
 
 
+def all_rows(options):
+    names = json.loads(subprocess.run([options.program, "list"], capture_output=True, text=True, check=True).stdout)
+    pieces = [(kind, measured, name, first, min(BATCH, count - first))
+              for kind, measured, name, count in tasks(options, names["effects"], names["inventions"])
+              for first in range(0, count, BATCH)]
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        return [row for done in pool.map(lambda piece: run(options.program, *piece), pieces) for row in done]
+
+
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--program", required=True)
+    parser.add_argument("--program")
+    parser.add_argument("--again", type=pathlib.Path)
     parser.add_argument("--draws", type=int, default=100)
     parser.add_argument("--nulls", type=int, default=400)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--rows", type=pathlib.Path)
     parser.add_argument("--page", type=pathlib.Path)
     options = parser.parse_args()
-    names = json.loads(subprocess.run([options.program, "list"], capture_output=True, text=True, check=True).stdout)
     started = time.time()
-    pieces = [(kind, measured, name, first, min(BATCH, count - first))
-              for kind, measured, name, count in tasks(options, names["effects"], names["inventions"])
-              for first in range(0, count, BATCH)]
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        rows = [row for done in pool.map(lambda piece: run(options.program, *piece), pieces) for row in done]
+    if options.again:
+        rows = [json.loads(line) for line in options.again.read_text().splitlines()]
+    else:
+        rows = all_rows(options)
     if options.rows:
         options.rows.write_text("".join(json.dumps(r) + "\n" for r in rows))
     effects, named = effect_table(rows)
     nulls, alarms = null_table(rows)
+    draws = max(collections.Counter((r["name"], r["measured"]) for r in rows if r["kind"] == "effect").values())
     cpu = sum(r["cpu_s"] for r in rows)
     text = "\n".join([
-        f"{len(rows)} closures, {options.draws} draws of each effect; {cpu / len(rows):.2f} s of one core each, the sizing of "
+        f"{len(rows)} closures, {draws} draws of each effect; {cpu / len(rows):.2f} s of one core each, the sizing of "
         "the effect included.", "", *effects, "", *nulls, "", *other_table(rows), "", *invention_table(rows)])
     print(text)
     print(f"\n{time.time() - started:.0f} s on {options.jobs} cores", file=sys.stderr)
