@@ -21,7 +21,12 @@ packages_of() {
         libocct-data-exchange-dev libsqlite3-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
       ;;
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
-    browser) echo chromium nodejs npm ;;
+    browser)
+      # Node.js of another origin brings its own npm, which that of Debian refuses.
+      echo chromium
+      command -v node >/dev/null || echo nodejs
+      command -v npm >/dev/null || echo npm
+      ;;
     postgres) echo libpq-dev postgresql ;;
     fleet) echo parallel slurmctld slurmd slurm-client munge ;;
     package) echo dpkg-dev file ;;

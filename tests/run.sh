@@ -16,8 +16,8 @@ fi
 cmake/install-dependencies.sh
 cmake/install-dependencies.sh linuxcnc ||
   echo "tests/run.sh: LinuxCNC cannot be installed here; the tests that need it will be skipped" >&2
-cmake/install-dependencies.sh browser ||
-  echo "tests/run.sh: Chromium cannot be installed here; the test of the page will be skipped" >&2
+{ cmake/install-dependencies.sh browser && tests/report/install.sh build/test/browser; } ||
+  echo "tests/run.sh: no browser can be installed here; the tests that need it will be skipped" >&2
 
 unset DISPLAY WAYLAND_DISPLAY
 cmake --preset test

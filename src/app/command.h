@@ -40,8 +40,8 @@ Command correct_command(CLI::App& program, const Talk& talk);
 Command close_command(CLI::App& program, const Talk& talk);
 Command plan_command(CLI::App& program, const Talk& talk);
 Command import_command(CLI::App& program, const Talk& talk);
-Command report_command(CLI::App& program, const Talk& talk);
 Command history_command(CLI::App& program, const Talk& talk);
 Command batch_command(CLI::App& program, const Talk& talk);
+Command report_command(CLI::App& program, const Talk& talk);
 
 }  // namespace trunnion

@@ -163,7 +163,7 @@ nlohmann::json summary_json(const Options& o, const ProgramCorrection& how, cons
   nlohmann::json json = {
       {"format", "trunnion-correction"},
       {"version", 1},
-      {"program", o.input},
+      {"nc_program", o.input.substr(o.input.find_last_of('/') + 1)},
       {"dialect", how.dialect},
       {"tcp",
        how.scan.tcp_forced || !dialect(how.dialect).says_tcp ? (how.scan.tcp ? "on" : "off") : "as the program says"},

@@ -85,10 +85,10 @@ int run(int argc, char** argv) {
            close_command,
            plan_command,
            import_command,
-           report_command,
            tables_command,
            history_command,
            batch_command,
+           report_command,
        })
     commands.push_back(add(program, talk));
   for (const Command& command : commands) add_talk(*command.options, talk);

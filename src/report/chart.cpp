@@ -5,125 +5,198 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "report/html.h"
 #include "units/number_text.h"
 
 namespace trunnion {
 namespace {
 
-constexpr double kWidth = 520, kHeight = 240, kLeft = 62, kRight = 12, kTop = 12, kBottom = 44;
+constexpr double kWidth = 560, kHeight = 260, kLeft = 62, kRight = 12, kTop = 12, kBottom = 44;
+constexpr std::size_t kListed = 40;  ///< abscissae that a table of values still has
+constexpr std::size_t kDashes = 6;
 
-struct Scale {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  void take(double v) {
-    if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
-  }
-  void settle() {
-    if (!(low <= high)) low = 0, high = 1;
-    if (high - low < 1e-12 * (1 + std::abs(high))) low -= 1, high += 1;
+struct Span {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  void hold(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
   }
 };
 
-double tick_step(const Scale& s) {
-  const double rough = (s.high - s.low) / 5, power = std::pow(10, std::floor(std::log10(rough)));
-  for (const double m : {1.0, 2.0, 5.0})
-    if (m * power >= rough) return m * power;
+/// 1, 2 or 5 times a power of ten, so that about `count` steps make `width`.
+double tick_step(double width, int count) {
+  const double rough = width / count, power = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (rough <= step * power) return step * power;
   return 10 * power;
+}
+
+Span abscissae(const Chart& chart) {
+  Span span;
+  for (const double x : chart.x) span.hold(x);
+  if (!(span.high > span.low)) span = {span.low - 1, span.low + 1};
+  return span;
+}
+
+Span ordinates(const Chart& chart) {
+  Span span;
+  span.hold(0);
+  for (const ChartSeries& s : chart.series)
+    for (std::size_t i = 0; i < s.values.size(); ++i) {
+      const double half = s.half_width.empty() || !std::isfinite(s.half_width[i]) ? 0 : s.half_width[i];
+      span.hold(s.values[i] - half);
+      span.hold(s.values[i] + half);
+    }
+  if (!(span.high > span.low)) span = {-1, 1};
+  const double room = 0.05 * (span.high - span.low);
+  return {span.low < 0 ? span.low - room : 0, span.high > 0 ? span.high + room : 0};
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const Chart& chart) : chart_(chart), x_(abscissae(chart)), y_(ordinates(chart)) {}
+
+  std::string svg() const {
+    std::string text = "<svg viewBox=\"0 0 560 260\" role=\"img\" aria-label=\"" + escaped(description()) + "\">\n";
+    text += axes();
+    for (std::size_t k = 0; k < chart_.series.size(); ++k) text += line(k);
+    return text + "</svg>\n";
+  }
+
+ private:
+  double left(double x) const { return kLeft + (kWidth - kLeft - kRight) * (x - x_.low) / (x_.high - x_.low); }
+  double top(double y) const { return kTop + (kHeight - kTop - kBottom) * (y_.high - y) / (y_.high - y_.low); }
+
+  /// What a screen reader says in place of the picture.
+  std::string description() const {
+    std::string text = chart_.title + ". " + chart_.y_label + " over " + chart_.x_label + ".";
+    for (const ChartSeries& s : chart_.series) {
+      Span span;
+      for (const double v : s.values) span.hold(v);
+      if (span.high >= span.low)
+        text += " " + s.name + ": " + quantity(span.low, std::nullopt, "") + " to " +
+                quantity(span.high, std::nullopt, chart_.y_unit) + ".";
+    }
+    return text;
+  }
+
+  static std::string at(double x, double y) { return fixed_text(x, 1) + " " + fixed_text(y, 1); }
+
+  std::string axes() const {
+    std::string grid, labels;
+    const double dx = tick_step(x_.high - x_.low, 7), dy = tick_step(y_.high - y_.low, 5);
+    for (double k = std::ceil(x_.low / dx); k * dx <= x_.high + 1e-9 * dx; ++k) {
+      grid += "M" + at(left(k * dx), kTop) + "V" + fixed_text(kHeight - kBottom, 1);
+      labels += "<text x=\"" + fixed_text(left(k * dx), 1) + "\" y=\"232\" text-anchor=\"middle\">" +
+                formatted("%g", k * dx + 0.0) + "</text>";
+    }
+    for (double k = std::ceil(y_.low / dy); k * dy <= y_.high + 1e-9 * dy; ++k) {
+      grid += "M" + at(kLeft, top(k * dy)) + "H" + fixed_text(kWidth - kRight, 1);
+      labels += "<text x=\"56\" y=\"" + fixed_text(top(k * dy) + 4, 1) + "\" text-anchor=\"end\">" +
+                formatted("%g", k * dy + 0.0) + "</text>";
+    }
+    return "<path class=\"grid\" d=\"" + grid + "\"/><path class=\"axis\" d=\"M" + at(kLeft, top(0)) + "H" +
+           fixed_text(kWidth - kRight, 1) + "\"/><g class=\"ticks\">" + labels +
+           "</g><text x=\"311\" y=\"254\" text-anchor=\"middle\">" + escaped(chart_.x_label) +
+           "</text><text transform=\"translate(14 114) rotate(-90)\" text-anchor=\"middle\">" +
+           escaped(chart_.y_label) + "</text>\n";
+  }
+
+  std::string line(std::size_t k) const {
+    const ChartSeries& s = chart_.series[k];
+    const std::string look = " s" + std::to_string(k % kDashes);
+    std::string path, text;
+    if (chart_.marks == ChartMarks::points) {
+      for (std::size_t i = 0; i < s.values.size(); ++i)
+        if (std::isfinite(s.values[i])) path += "M" + at(left(chart_.x[i]), top(s.values[i])) + "h0";
+      return "<path class=\"dots" + look + "\" d=\"" + path + "\"/>\n";
+    }
+    if (!s.half_width.empty()) text += band(s, look);
+    bool open = false;
+    for (std::size_t i = 0; i < s.values.size(); ++i) {
+      if (std::isfinite(s.values[i])) path += (open ? "L" : "M") + at(left(chart_.x[i]), top(s.values[i]));
+      open = std::isfinite(s.values[i]);
+    }
+    return text + "<path class=\"line" + look + "\" d=\"" + path + "\"/>\n";
+  }
+
+  std::string band(const ChartSeries& s, const std::string& look) const {
+    std::string path;
+    const auto bound = [&](std::size_t i, double sign) {
+      const double half = s.half_width[i];
+      if (std::isfinite(s.values[i]) && std::isfinite(half))
+        path += (path.empty() ? "M" : "L") + at(left(chart_.x[i]), top(s.values[i] + sign * half));
+    };
+    for (std::size_t i = 0; i < s.values.size(); ++i) bound(i, 1);
+    for (std::size_t i = s.values.size(); i-- > 0;) bound(i, -1);
+    return path.empty() ? "" : "<path class=\"band" + look + "\" d=\"" + path + "Z\"/>\n";
+  }
+
+  const Chart& chart_;
+  Span x_, y_;
+};
+
+/// Numbers as the page's script wants them: five digits are more than a screen shows.
+nlohmann::json numbers(const std::vector<double>& values) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const double value : values)
+    list.push_back(std::isfinite(value) ? nlohmann::json(std::stod(formatted("%.5g", value))) : nlohmann::json());
+  return list;
+}
+
+nlohmann::json chart_json(const Chart& chart) {
+  nlohmann::json json = {{"title", chart.title},
+                         {"x_label", chart.x_label},
+                         {"y_label", chart.y_label},
+                         {"x_name", chart.x_name},
+                         {"y_unit", chart.y_unit},
+                         {"x", numbers(chart.x)},
+                         {"points", chart.marks == ChartMarks::points}};
+  for (const ChartSeries& s : chart.series) {
+    nlohmann::json entry = {{"name", s.name}, {"values", numbers(s.values)}};
+    if (!s.half_width.empty()) entry["half_width"] = numbers(s.half_width);
+    json["series"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+std::string legend(const Chart& chart) {
+  std::string text;
+  for (std::size_t k = 0; k < chart.series.size(); ++k)
+    text += element("li", "<svg viewBox=\"0 0 24 8\" aria-hidden=\"true\"><path class=\"" +
+                              std::string(chart.marks == ChartMarks::points ? "dots" : "line") + " s" +
+                              std::to_string(k % kDashes) + "\" d=\"" +
+                              (chart.marks == ChartMarks::points ? "M12 4h0" : "M0 4H24") + "\"/></svg> " +
+                              escaped(chart.series[k].name));
+  return element("ul", text, "class=\"legend\"");
+}
+
+std::string value_table(const Chart& chart) {
+  if (chart.x.size() > kListed) return "";
+  std::vector<std::string> head = {escaped(chart.x_label)};
+  for (const ChartSeries& s : chart.series) head.push_back(escaped(s.name));
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < chart.x.size(); ++i) {
+    std::vector<std::string>& row = rows.emplace_back(1, quantity(chart.x[i], std::nullopt, ""));
+    for (const ChartSeries& s : chart.series)
+      row.push_back(
+          std::isfinite(s.values[i])
+              ? quantity(s.values[i], s.half_width.empty() ? std::nullopt : std::optional(s.half_width[i] / 2), "")
+              : "–");
+  }
+  return element("details", element("summary", "Values") + html_table(chart.title + ", " + chart.y_label, head, rows));
 }
 
 }  // namespace
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
-
-std::string still_svg(const Chart& chart) {
-  Scale x, y;
-  for (const double v : chart.x) x.take(v);
-  for (const ChartSeries& s : chart.series)
-    for (std::size_t k = 0; k < s.y.size(); ++k) {
-      const double half = s.half_width.empty() ? 0 : s.half_width[k];
-      y.take(s.y[k] - half), y.take(s.y[k] + half);
-    }
-  y.take(0);
-  x.settle(), y.settle();
-  const auto px = [&](double v) { return kLeft + (v - x.low) / (x.high - x.low) * (kWidth - kLeft - kRight); };
-  const auto py = [&](double v) {
-    return kHeight - kBottom - (v - y.low) / (y.high - y.low) * (kHeight - kTop - kBottom);
-  };
-  const auto n = [](double v) { return formatted("%.1f", v); };
-  std::string svg = "<svg viewBox=\"0 0 " + n(kWidth) + " " + n(kHeight) + "\" role=\"img\" aria-label=\"" +
-                    escaped(chart.title) + "\"><g class=\"axes\">";
-  for (double v = std::ceil(y.low / tick_step(y)) * tick_step(y); v <= y.high + 1e-12; v += tick_step(y))
-    svg += "<path d=\"M" + n(kLeft) + " " + n(py(v)) + "H" + n(kWidth - kRight) + "\"/><text x=\"" + n(kLeft - 6) +
-           "\" y=\"" + n(py(v) + 4) + "\" text-anchor=\"end\">" + formatted("%.4g", std::abs(v) < 1e-12 ? 0 : v) +
-           "</text>";
-  for (double v = std::ceil(x.low / tick_step(x)) * tick_step(x); v <= x.high + 1e-12; v += tick_step(x))
-    svg += "<text x=\"" + n(px(v)) + "\" y=\"" + n(kHeight - kBottom + 16) + "\" text-anchor=\"middle\">" +
-           formatted("%.4g", std::abs(v) < 1e-12 ? 0 : v) + "</text>";
-  svg += "<text x=\"" + n((kLeft + kWidth) / 2) + "\" y=\"" + n(kHeight - 6) + "\" text-anchor=\"middle\">" +
-         escaped(chart.x_label) + "</text><text transform=\"translate(14 " + n(kHeight / 2) +
-         ") rotate(-90)\" text-anchor=\"middle\">" + escaped(chart.y_label) + "</text></g>";
-  for (std::size_t i = 0; i < chart.series.size(); ++i) {
-    const ChartSeries& s = chart.series[i];
-    const std::string colour = "s" + std::to_string(i % 8);
-    if (!s.half_width.empty()) {
-      std::string edge, back;
-      for (std::size_t k = 0; k < s.y.size(); ++k) {
-        if (!std::isfinite(s.y[k])) continue;
-        edge += n(px(chart.x[k])) + " " + n(py(s.y[k] + s.half_width[k])) + " ";
-        back = n(px(chart.x[k])) + " " + n(py(s.y[k] - s.half_width[k])) + " " + back;
-      }
-      svg += "<polygon class=\"band " + colour + "\" points=\"" + edge + back + "\"/>";
-    }
-    if (chart.points) {
-      svg += "<path class=\"dots " + colour + "\" d=\"";
-      for (std::size_t k = 0; k < s.y.size(); ++k)
-        if (std::isfinite(s.y[k])) svg += "M" + n(px(chart.x[k])) + " " + n(py(s.y[k])) + "h0";
-      svg += "\"/>";
-    } else {
-      svg += "<polyline class=\"" + colour + "\" points=\"";
-      for (std::size_t k = 0; k < s.y.size(); ++k)
-        if (std::isfinite(s.y[k])) svg += n(px(chart.x[k])) + " " + n(py(s.y[k])) + " ";
-      svg += "\"/>";
-    }
-  }
-  return svg + "</svg>";
-}
-
-std::string chart_json(const Chart& chart) {
-  const auto numbers = [](const std::vector<double>& values) {
-    nlohmann::json list = nlohmann::json::array();
-    for (const double v : values)
-      list.push_back(std::isfinite(v) ? nlohmann::json(std::stod(formatted("%.5g", v))) : nlohmann::json());
-    return list;
-  };
-  nlohmann::json series = nlohmann::json::array();
-  for (const ChartSeries& s : chart.series)
-    series.push_back({{"name", s.name}, {"y", numbers(s.y)}, {"half", numbers(s.half_width)}});
-  return nlohmann::json({{"title", chart.title},
-                         {"x_label", chart.x_label},
-                         {"y_label", chart.y_label},
-                         {"points", chart.points},
-                         {"x", numbers(chart.x)},
-                         {"series", series}})
-      .dump();
+std::string chart_figure(const Chart& chart) {
+  return element("figure",
+                 element("figcaption", escaped(chart.title)) +
+                     element("div", Drawing(chart).svg() + legend(chart), "class=\"still\"") +
+                     (chart.note.empty() ? "" : element("p", escaped(chart.note), "class=\"note\"")) +
+                     script_data(chart_json(chart)) + value_table(chart),
+                 "class=\"chart\"");
 }
 
 }  // namespace trunnion

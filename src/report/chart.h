@@ -5,27 +5,27 @@
 
 namespace trunnion {
 
-/// One curve, or one cloud of points, over the x of its chart; NaN: nothing there.
+/// One quantity over the chart's abscissa.
 struct ChartSeries {
   std::string name;
-  std::vector<double> y;
-  std::vector<double> half_width;  ///< of a band about y; may be empty
+  std::vector<double> values;
+  std::vector<double> half_width = {};  ///< of a band about the values; empty: none
 };
 
-/// A picture of numbers, drawn twice: once as a still that needs nothing, once alive by the page's script.
+enum class ChartMarks { lines, points };
+
+/// A chart of numbers over numbers: a picture without scripts, alive with them, its values beside it.
 struct Chart {
-  std::string title, x_label, y_label;  ///< labels with their units
-  bool points = false;                  ///< a cloud; else curves
-  std::vector<double> x;                ///< ascending
+  std::string title;
+  std::string x_label, y_label;  ///< with unit: "C, deg"
+  std::string x_name, y_unit;    ///< what a reading-out says: "C", "µm"
+  std::vector<double> x;         ///< ascending
   std::vector<ChartSeries> series;
+  ChartMarks marks = ChartMarks::lines;
+  std::string note = {};  ///< below the picture: what a band is
 };
 
-/// The still: SVG without outside references, colours by the page's style.
-std::string still_svg(const Chart& chart);
-/// What the script draws (JSON).
-std::string chart_json(const Chart& chart);
-
-/// Text that may stand in HTML and in attributes.
-std::string escaped(const std::string& text);
+/// The chart as a figure (HTML): an SVG, the numbers for the page's script, and where there are few a table of them.
+std::string chart_figure(const Chart& chart);
 
 }  // namespace trunnion

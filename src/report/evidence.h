@@ -1,28 +1,35 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 namespace trunnion {
 
-/// The numbers of a CSV file by column, row by row; NaN where a field is no number.
-using NumberTable = std::map<std::string, std::vector<double>>;
+/// What a command writes that the page can show.
+enum class ResultKind { model, closure, tables, correction, prediction };
 
-/// One result of a command, and the files beside it that belong to it.
-struct EvidenceFile {
-  std::string path;  ///< as it is to be called on the page
-  std::string text;  ///< JSON: model, closure, verification of tables, correction or prediction
-  std::map<std::string, NumberTable> tables;    ///< residuals.csv, flank.csv, by name
-  std::map<std::string, std::string> pictures;  ///< roundness_h10.svg …, by name
+/// The columns of a CSV file by name, all of one length; NaN where a field is no number.
+using NumberColumns = std::map<std::string, std::vector<double>>;
+
+/// A result as it stands in a folder.
+struct ResultFile {
+  ResultKind kind = ResultKind::model;
+  std::string path;     ///< as the user called it
+  std::string sha256;   ///< of its bytes
+  std::string changed;  ///< the day it was last changed, "2026-03-01"
+  std::shared_ptr<const nlohmann::json> content;
+  NumberColumns columns;  ///< beside a closure its residuals, beside a prediction the deviations at its heights
+  NumberColumns flank;    ///< beside a prediction the whole flank
 };
 
-/// Which kind of result a JSON text is, by what it says of itself; none as well where it is no JSON.
-enum class EvidenceKind { none, model, closure, tables, correction, prediction };
-EvidenceKind evidence_kind(const std::string& text);
-
-/// The page: one HTML file without outside references, a section for each kind of result that is there. Throws
-/// InputError naming the file for a result of another machine than the first's.
-std::string evidence_page(const std::vector<EvidenceFile>& files);
+/// What a page is made from, in the order in which it was given.
+struct Evidence {
+  std::vector<ResultFile> results;
+  std::string program;  ///< that makes the page, with its version
+  std::string date;     ///< of the page
+};
 
 }  // namespace trunnion

@@ -1,88 +1,62 @@
 #include "report/page.h"
 
-extern "C" {
-extern const char trunnion_report_css[], trunnion_report_css_end[];
-extern const char trunnion_report_js[], trunnion_report_js_end[];
-}
+#include "report/html.h"
+#include "report/sections.h"
+#include "report/web_assets.h"
 
 namespace trunnion {
+namespace {
 
-void Page::section(const std::string& id, const std::string& heading, const std::string& lead) {
-  if (open_) body_ += "</section>\n";
-  open_ = true;
-  contents_ += "<li><a href=\"#" + escaped(id) + "\">" + escaped(heading) + "</a></li>";
-  body_ += "<section id=\"" + escaped(id) + "\" aria-labelledby=\"" + escaped(id) + "-h\"><h2 id=\"" + escaped(id) +
-           "-h\">" + escaped(heading) + "</h2>";
-  paragraph(lead, "lead");
+std::string head(const std::string& title) {
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+         "<meta name=\"color-scheme\" content=\"light dark\">\n"
+         // Nothing is fetched, whatever stands in the page.
+         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
+         "style-src 'unsafe-inline'; img-src data: blob:\">\n"
+         "<title>" +
+         escaped(title) + "</title>\n<style>\n" + std::string(page_style()) + "</style>\n</head>\n";
 }
 
-void Page::heading(const std::string& text) { body_ += "<h3>" + escaped(text) + "</h3>"; }
-
-void Page::paragraph(const std::string& text, const std::string& css_class) {
-  if (!text.empty())
-    body_ += "<p" + (css_class.empty() ? "" : " class=\"" + css_class + "\"") + ">" + escaped(text) + "</p>\n";
+std::string whole_section(const Section& section) {
+  return element("section", element("h2", escaped(section.title), "id=\"" + section.id + "-title\"") + section.html,
+                 "id=\"" + section.id + "\" aria-labelledby=\"" + section.id + "-title\"");
 }
 
-void Page::table(const std::vector<std::vector<std::string>>& rows, const std::string& caption) {
-  if (rows.size() < 2) return;
-  body_ += "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"" + escaped(caption) +
-           "\"><table><caption>" + escaped(caption) + "</caption><thead><tr>";
-  for (const std::string& cell : rows.front()) body_ += "<th scope=\"col\">" + escaped(cell) + "</th>";
-  body_ += "</tr></thead><tbody>";
-  for (std::size_t r = 1; r < rows.size(); ++r) {
-    body_ += "<tr>";
-    for (std::size_t c = 0; c < rows[r].size(); ++c)
-      body_ += (c == 0 ? "<th scope=\"row\">" : "<td>") + escaped(rows[r][c]) + (c == 0 ? "</th>" : "</td>");
-    body_ += "</tr>";
+}  // namespace
+
+std::string page_html(const Evidence& evidence) {
+  std::string title = "Rotary-axis errors";
+  if (const std::string machine = machine_name(evidence); !machine.empty()) title += ": " + machine;
+  std::string links, summary, body;
+  for (const auto& make : {identification_section, interpolation_section, closure_section, compensation_section,
+                           program_section, piece_section, provenance_section}) {
+    const Section section = make(evidence);
+    if (section.html.empty()) continue;
+    links += element("li", element("a", escaped(section.title), "href=\"#" + section.id + "\""));
+    if (!section.sentence.empty())
+      summary += element(
+          "li", element("a", escaped(section.title), "href=\"#" + section.id + "\"") + element("p", section.sentence));
+    body += whole_section(section);
   }
-  body_ += "</tbody></table></div>\n";
-}
-
-void Page::charts(const std::vector<Chart>& charts) {
-  body_ += "<div class=\"charts\">";
-  for (const Chart& chart : charts) {
-    body_ += "<figure><figcaption>" + escaped(chart.title) +
-             "</figcaption><div class=\"chart\" tabindex=\"0\" data-chart=\"" + std::to_string(charts_.size()) + "\">" +
-             still_svg(chart) + "</div>";
-    if (chart.series.size() > 1) {
-      body_ += "<ul class=\"key\">";
-      for (std::size_t i = 0; i < chart.series.size(); ++i)
-        body_ += "<li class=\"s" + std::to_string(i % 8) + "\">" + escaped(chart.series[i].name) + "</li>";
-      body_ += "</ul>";
-    }
-    body_ += "</figure>";
-    charts_.push_back(chart_json(chart));
-  }
-  body_ += "</div>\n";
-}
-
-void Page::picture(const std::string& svg, const std::string& caption) {
-  body_ += "<figure class=\"picture\">" + svg + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
-}
-
-void Page::part(const std::string& part, const std::string& still) {
-  body_ +=
-      "<figure class=\"part\" data-part=\"" + std::to_string(parts_.size()) + "\"><div class=\"view\">" + still +
-      "</div><figcaption>The flank as it is cut, coloured by its deviation along the normal</figcaption></figure>\n";
-  parts_.push_back(part);
-}
-
-std::string Page::html() const {
-  const auto listed = [](const std::vector<std::string>& entries) {
-    std::string list;
-    for (const std::string& entry : entries) list += (list.empty() ? "" : ",") + entry;
-    return "[" + list + "]";
-  };
-  std::string data = "{\"charts\":" + listed(charts_) + ",\"parts\":" + listed(parts_) + "}";
-  // Inside a script element only "</" would end it.
-  for (std::size_t at = 0; (at = data.find("</", at)) != std::string::npos; at += 3) data.replace(at, 2, "<\\/");
-  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-         "content=\"width=device-width,initial-scale=1\"><title>" +
-         escaped(title_) + "</title><style>" + std::string(trunnion_report_css, trunnion_report_css_end) +
-         "</style></head><body><header><h1>" + escaped(title_) + "</h1><nav aria-label=\"Sections\"><ul>" + contents_ +
-         "</ul></nav></header><main>" + body_ + (open_ ? "</section>" : "") +
-         "</main><script type=\"application/json\" id=\"data\">" + data + "</script><script>" +
-         std::string(trunnion_report_js, trunnion_report_js_end) + "</script></body></html>\n";
+  std::string html = head(title) + "<body>\n<a class=\"skip\" href=\"#summary\">Skip to the summary</a>\n";
+  html +=
+      element("header", element("h1", escaped(title)) +
+                            element("p", "What is wrong with the machine, what was done about it, and what is left. " +
+                                             escaped(evidence.program) + ", " + escaped(evidence.date)) +
+                            element("nav", element("ul", links), "aria-label=\"Sections\"") +
+                            "<button type=\"button\" id=\"theme\" hidden>Light or dark</button>\n");
+  html += element(
+      "main", element("section",
+                      element("h2", "In short", "id=\"summary-title\"") + element("ul", summary, "class=\"findings\""),
+                      "id=\"summary\" aria-labelledby=\"summary-title\"") +
+                  body);
+  html += element("footer", element("p",
+                                    "± is one standard uncertainty (ISO/IEC Guide 98-3). Error symbols: ISO 230-1 and "
+                                    "230-7. Charts and part: uPlot and three.js, within this file.") +
+                                element("details", element("summary", "Licences of the libraries in this file") +
+                                                       element("pre", escaped(page_licences()))));
+  return html + element("script", std::string(page_script())) + "</body>\n</html>\n";
 }
 
 }  // namespace trunnion

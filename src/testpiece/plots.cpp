@@ -71,7 +71,7 @@ std::string polar_plot_svg(const std::string& title, std::span<const PolarCurve>
   const double division_um = round_scale(largest) / 2, scale = kReach / (2 * division_um);
 
   std::string svg = opening(520, 560 + 18 * static_cast<int>(curves.size()), title);
-  svg += label(kCenter, 22, title, "text-anchor=\"middle\" font-size=\"14\"");
+  svg += label(12, 22, title, "font-size=\"14\"");
   for (int ring = -2; ring <= 2; ++ring)
     svg += "<circle cx=\"260\" cy=\"260\" r=\"" + fixed(kCircle + ring * kReach / 2, 1) + "\" fill=\"none\" stroke=\"" +
            (ring == 0 ? "#555" : "#ccc") + "\"/>\n";
