@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "discovery/closure_case.h"
+#include "discovery/inventions.h"
 #include "identification/as_observations.h"
 
 namespace trunnion {
@@ -68,6 +69,46 @@ TEST(Closure, LetsChipsNeitherBecomeAnEffectNorHideOne) {
   EXPECT_FALSE(nothing.closure.outliers.empty());
   const testing::ClosureOutcome hidden = close_case({.seed = 5, .effects = {"linear_scale:X"}, .noise = chips});
   EXPECT_TRUE(hidden.found("linear_scale:X"));
+}
+
+TEST(Closure, ReachesTheNoiseForEffectsOfNoCatalogueWithoutHarm) {
+  for (const testing::Invention& invention : testing::inventions()) {
+    if (invention.name != "dent of a way" && invention.name != "coolant" && invention.name != "twisted column")
+      continue;
+    const testing::ClosureOutcome outcome = close_case(
+        {.seed = 2, .invention = &invention, .measured = testing::Measured::three_passes, .noncentrality = 230});
+    ASSERT_FALSE(outcome.closure.effects.empty()) << invention.name;
+    EXPECT_TRUE(outcome.closure.effects[0].smooth) << invention.name << ": no entry of the catalogue fits it";
+    EXPECT_LT(outcome.closure.after.rms_um, 1.15 * 0.175) << invention.name;
+    EXPECT_LT(outcome.closure.after.holdout_rms_um, outcome.closure.before.holdout_rms_um) << invention.name;
+    EXPECT_LT(map_error_um(outcome.closure.model, outcome), 1.1 * map_error_um(outcome.closure.bare_model, outcome))
+        << invention.name;
+  }
+}
+
+TEST(Closure, NamesASquarenessAsSuchThoughASmoothEffectWouldDo) {
+  const testing::ClosureOutcome outcome = close_case(
+      {.seed = 3, .effects = {"squareness:XZ"}, .measured = testing::Measured::three_passes, .noncentrality = 400});
+  ASSERT_EQ(outcome.closure.effects.size(), 1U);
+  EXPECT_EQ(outcome.closure.effects[0].effect->id(), "squareness:XZ");
+}
+
+TEST(Closure, TakesACrowdOfFarTouchesForASlipAndNotForChips) {
+  // Many readings of one body stand far off after one moment; leaving them out would explain them as well.
+  const testing::ClosureOutcome outcome = close_case(
+      {.seed = 4, .effects = {"artifact_slip:2"}, .measured = testing::Measured::three_passes, .noncentrality = 5000});
+  EXPECT_TRUE(outcome.found("artifact_slip:2"));
+  EXPECT_LT(outcome.closure.outliers.size(), 4U);
+  EXPECT_EQ(outcome.closure.verdict, Verdict::explained);
+}
+
+TEST(Closure, TellsTwoEffectsFromOneAnother) {
+  const testing::ClosureOutcome outcome = close_case({.seed = 5,
+                                                      .effects = {"squareness:XY", "backlash:C"},
+                                                      .measured = testing::Measured::three_passes,
+                                                      .noncentrality = 100});
+  EXPECT_EQ(outcome.closure.effects.size(), 2U);
+  EXPECT_TRUE(outcome.found("squareness:XY") && outcome.found("backlash:C"));
 }
 
 /// An encoder on the table, C turning slowly up and down: a map of two harmonics, a backlash, ninety teeth.

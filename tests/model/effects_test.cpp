@@ -434,6 +434,32 @@ TEST(Effects, NothingActsAtTheZeroOfEveryEffect) {
   }
 }
 
+TEST(Effects, SetAsideCleanTheFitAndAreNeverCompensated) {
+  const Rig r = rig("w C' A' Y' b X Z t");
+  const json entry = {{"id", "backlash:C"},
+                      {"parameters", {{"reversal", {{"value", 20}, {"std", 1}, {"unit", "urad"}}}}}};
+  const EffectPtr effect = read_effect(entry, r.context()), aside = effect->suspended();
+  Situation s;
+  s.at = {Angle::degrees(-20), Angle::degrees(50)};
+  s.point_r_mm = {80, 20, 30};
+  s.turn_sense = -1;
+  EXPECT_TRUE(effect->is_compensated());
+  EXPECT_FALSE(aside->is_compensated());
+  EXPECT_EQ(aside->origin(), Origin::machine);
+  EXPECT_EQ(aside->at(s).vector(), effect->at(s).vector());  // in the fit it acts as ever
+  EXPECT_GT(deviation_mm(Model{.effects = {effect}}, s).norm(), 1e-3);
+  EXPECT_EQ(deviation_mm(Model{.effects = {aside}}, s).norm(), 0);
+  EXPECT_EQ(deviation_covariance_mm2(Model{.effects = {aside}}, s).norm(), 0);
+  EXPECT_TRUE(needed_covariates(Model{.effects = {aside}}).empty());
+  // And so in a file.
+  EXPECT_FALSE(effect->to_json().contains("suspended"));
+  EXPECT_FALSE(read_effect(aside->to_json(), r.context())->is_compensated());
+  json wrong = aside->to_json();
+  wrong["suspended"] = "yes";
+  EXPECT_THAT([&] { read_effect(wrong, r.context()); },
+              ::testing::ThrowsMessage<ModelError>(HasSubstr("suspended: \"yes\" found, true or false is wanted")));
+}
+
 TEST(Effects, CandidatesStayAModestNumberAndSkipWhatTheDataDoNotCarry) {
   const Rig r = rig("w C' A' Y' b X Z t");
   Data d = data();
