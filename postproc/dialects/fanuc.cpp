@@ -275,6 +275,8 @@ class FanucScanner : public IsoScanner {
     if (words.arc[4] != nullptr && words.arc[4]->value.mantissa != 0)
       refuse("G68.2 P" + std::to_string(words.arc[4]->value.mantissa) +
              ": the plane is told otherwise than by Euler's angles; post it with P0");
+    if (words.arc[3] != nullptr)
+      refuse("G68.2 with R: an axis I J K and a turn about it, not Euler's angles; post it with three angles");
     Eigen::Vector3d origin, angle_rad;
     for (std::size_t i = 0; i < 3; ++i) {
       const Eigen::Index axis = static_cast<Eigen::Index>(i);

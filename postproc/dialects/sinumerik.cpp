@@ -363,7 +363,7 @@ class SinumerikScanner : public IsoScanner {
     const int state = static_cast<int>(value(2)), mode = static_cast<int>(value(3));
     if (state % 10 != 0) refuse("CYCLE800: a plane that adds to another; post it as a new one");
     if (mode >> 6 != 0) refuse("CYCLE800: the plane is not told axis by axis; post it so (_MODE 57, for one)");
-    if (list.size() > 13 && value(13) == 0) refuse("CYCLE800 with _DIR 0 does not turn the axes; post it with -1 or 1");
+    if (value(13) == 0) refuse("CYCLE800 without _DIR, or with 0, does not turn the axes; post it with -1 or 1");
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Eigen::Vector3d before, behind;
     for (int i = 0; i < 3; ++i) {
