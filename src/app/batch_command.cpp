@@ -97,7 +97,7 @@ Command batch_command(CLI::App& program, const Talk& talk) {
       ->type_name("PATH")
       ->group("Jobs");
   app->footer(
-      "Lines are run from this folder, a file after the other, the lines of one in any order:\n"
+      "Example; lines are run from this folder, a file after the other, the lines of one in any order:\n"
       "  trunnion batch plan.toml -o out\n"
       "  parallel < out/jobs-1.txt; parallel < out/jobs-2.txt\n"
       "  trunnion batch plan.toml -o out --merge\n"

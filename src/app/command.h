@@ -43,5 +43,6 @@ Command import_command(CLI::App& program, const Talk& talk);
 Command history_command(CLI::App& program, const Talk& talk);
 Command batch_command(CLI::App& program, const Talk& talk);
 Command report_command(CLI::App& program, const Talk& talk);
+Command completion_command(CLI::App& program, const Talk& talk);
 
 }  // namespace trunnion

@@ -267,20 +267,26 @@ Command history_command(CLI::App& program, const Talk& talk) {
       ->type_name("FILE …")
       ->group("Input");
   sub->add_option("--note", o->note, "A line of text to keep with it")->type_name("TEXT")->group("Input");
+  sub->footer(
+      "Example:\n"
+      "  trunnion history add --store shop.db --machine machine.toml --model model.json --date 2026-03-01");
   chosen(sub, add, o, talk);
 
   sub = action(*app, "list", "What is kept, by serial number and date", *o);
   add_serial(sub, *o);
+  sub->footer("Example:\n  trunnion history list --store shop.db");
   chosen(sub, list, o, talk);
 
   sub = action(*app, "show", "One calibration; -o writes its model as it was kept", *o);
   sub->add_option("id", o->id, "Number of the calibration")->required()->type_name("ID")->group("Input");
   sub->add_option("-o,--output", o->output, "Model to write (JSON)")->type_name("model.json")->group("Output");
+  sub->footer("Example:\n  trunnion history show --store shop.db 3 -o model.json");
   chosen(sub, show, o, talk);
 
   sub = action(*app, "compare", "What differs between two calibrations of a machine, told from noise", *o);
   sub->add_option("id", o->id, "Number of the earlier calibration")->required()->type_name("ID")->group("Input");
   sub->add_option("other", o->other, "Number of the later one")->required()->type_name("ID")->group("Input");
+  sub->footer("Example:\n  trunnion history compare --store shop.db 3 4");
   chosen(sub, compare, o, talk);
 
   sub = action(*app, "trend", "Every error over the calibrations with its 95 % band; exit status 1 beyond a limit", *o);
@@ -289,11 +295,13 @@ Command history_command(CLI::App& program, const Talk& talk) {
       ->type_name("L.toml")
       ->group("Input");
   sub->add_option("-o,--output", o->output, "All values to write (CSV)")->type_name("T.csv")->group("Output");
+  sub->footer("Example:\n  trunnion history trend --store shop.db --serial 0001 --limits limits.toml -o trend.csv");
   chosen(sub, trend, o, talk);
 
   sub = action(*app, "drift", "Which errors moved, since when and by how much", *o);
   add_serial(sub, *o);
   sub->add_option("-o,--output", o->output, "Findings to write (JSON)")->type_name("D.json")->group("Output");
+  sub->footer("Example:\n  trunnion history drift --store shop.db --serial 0001");
   chosen(sub, drift, o, talk);
 
   sub = action(*app, "prior",
@@ -304,6 +312,7 @@ Command history_command(CLI::App& program, const Talk& talk) {
       ->required()
       ->type_name("prior.json")
       ->group("Output");
+  sub->footer("Example:\n  trunnion history prior --store shop.db --serial 0001 --date 2026-09-01 -o prior.json");
   chosen(sub, prior, o, talk);
 
   app->footer(

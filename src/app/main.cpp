@@ -77,20 +77,28 @@ int run(int argc, char** argv) {
       "Exit status: 0 done, 1 a check that protects a machine failed, 2 bad usage or bad input.");
   Talk talk;
   std::vector<Command> commands;
-  for (const auto& add : {
-           identify_command,
-           evaluate_command,
-           predict_command,
-           correct_command,
-           close_command,
-           plan_command,
-           import_command,
-           tables_command,
-           history_command,
-           batch_command,
-           report_command,
-       })
+  struct Entry {
+    const char* group;
+    Command (*add)(CLI::App&, const Talk&);
+  };
+  constexpr const char *kMeasure = "Measure and understand", *kCorrect = "Correct", *kKeep = "Keep and show";
+  for (const auto& [group, add] : std::initializer_list<Entry>{
+           {kMeasure, identify_command},
+           {kMeasure, close_command},
+           {kMeasure, plan_command},
+           {kMeasure, import_command},
+           {kMeasure, evaluate_command},
+           {kCorrect, tables_command},
+           {kCorrect, correct_command},
+           {kCorrect, predict_command},
+           {kKeep, report_command},
+           {kKeep, history_command},
+           {kKeep, batch_command},
+           {kKeep, completion_command},
+       }) {
     commands.push_back(add(program, talk));
+    commands.back().options->group(group);
+  }
   for (const Command& command : commands) add_talk(*command.options, talk);
   try {
     program.parse(argc, argv);

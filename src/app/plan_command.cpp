@@ -187,7 +187,7 @@ Command import_command(CLI::App& program, const Talk& talk) {
   log->add_option("LOG", o->log, "The log")->required()->type_name("plan.log");
   log->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml");
   log->add_option("-o,--output", o->output, "Observations to write (CSV)")->required()->type_name("O.csv");
-  app->footer("Example:\n  trunnion import probe-log plan.log --machine machine.toml -o observations.csv");
+  log->footer("Example:\n  trunnion import probe-log plan.log --machine machine.toml -o observations.csv");
   return {app, [o, &talk] { return import_log(*o, talk); }};
 }
 
