@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -7,6 +8,7 @@
 #include "app/command.h"
 #include "app/text_table.h"
 #include "error.h"
+#include "io/csv.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
 #include "io/observation_file.h"
@@ -20,7 +22,7 @@ namespace trunnion {
 namespace {
 
 struct Options {
-  std::string machine, model, observations, nc, output;
+  std::string machine, model, observations, spots, nc, output;
   std::vector<std::string> separate;
   std::size_t visits = 6, touches = 12;
   double touch_s = 7, pose_s = 6;
@@ -57,6 +59,38 @@ nlohmann::json power_json(const PowerPlan& plan) {
   return power;
 }
 
+/// Spots as they stand in W: point, artifact, place and outward normal (CSV).
+std::vector<Spot> read_spots(const std::string& path) {
+  const std::string text = read_text(path);
+  CsvReader csv(text, path);
+  const auto column = [&](const char* name) {
+    const auto found = csv.find(name);
+    if (!found) throw InputError(path, csv.line(), std::string("column ") + name + " is missing");
+    return *found;
+  };
+  const std::size_t point = column("point"), artifact = column("artifact");
+  std::array<std::size_t, 6> numbers{};
+  std::size_t k = 0;
+  for (const char* name : {"x_mm", "y_mm", "z_mm", "nx", "ny", "nz"}) numbers[k++] = column(name);
+  std::vector<Spot> spots;
+  std::vector<std::string_view> fields;
+  while (csv.next(fields)) {
+    Spot spot{std::string(fields[point]), std::string(fields[artifact])};
+    for (std::size_t i = 0; i < 6; ++i)
+      (i < 3 ? spot.place_w_mm : spot.outward_w)[static_cast<Eigen::Index>(i % 3)] =
+          csv.number(fields[numbers[i]], numbers[i]);
+    if (std::abs(spot.outward_w.norm() - 1) > 1e-3)
+      throw InputError(path, csv.line(), "nx, ny, nz: a unit vector out of the face is wanted");
+    spot.outward_w.normalize();
+    if (spot.point.empty()) throw InputError(path, csv.line(), "point: a label is wanted");
+    for (const Spot& other : spots)
+      if (other.point == spot.point) throw InputError(path, csv.line(), "point " + spot.point + " stands there twice");
+    spots.push_back(std::move(spot));
+  }
+  if (spots.empty()) throw InputError(path, "no spot in it");
+  return spots;
+}
+
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
   const KinematicChain chain(machine);
@@ -70,6 +104,10 @@ int run(const Options& o, const Talk& talk) {
       pace.tilt_low = map->surface().a_range().low, pace.tilt_high = map->surface().a_range().high;
   }
   std::vector<Spot> spots = column_spots();
+  if (!o.spots.empty()) {
+    spots = read_spots(o.spots);
+    inputs.push_back(o.spots);
+  }
   ObservationSet so_far;
   if (!o.observations.empty()) {
     so_far = read_observations(o.observations, machine);
@@ -80,6 +118,11 @@ int run(const Options& o, const Talk& talk) {
   std::vector<Visit> visits;
   if (o.observations.empty()) {
     visits = first_plan(machine, spots, pace);
+    if (visits.empty())
+      throw RangeError(o.spots.empty()
+                           ? "plan: the columns of 100 mm that it takes for granted are beyond the strokes of this "
+                             "machine; --spots says what stands on the table"
+                           : o.spots + ": no spot can be reached within the strokes of this machine");
     so_far = planned_observations(machine, spots, visits, pace, "first plan");
   } else if (o.separate.empty()) {
     throw UsageError("--separate: wanted with --observations: which effect is to be seen");
@@ -97,7 +140,6 @@ int run(const Options& o, const Talk& talk) {
       set = planned_observations(machine, spots, power.visits, pace, "plan");
     }
   }
-  if (set.rows.empty()) throw RangeError("plan: no spot can be reached");
   const std::filesystem::path output(o.output);
   if (o.nc.empty()) {
     write_whole(o.output, observations_text(set, machine.tilt_letter()), inputs);
@@ -143,6 +185,11 @@ Command plan_command(CLI::App& program, const Talk& talk) {
       ->group("Input");
   app->add_option("--observations", o->observations, "What was measured so far (CSV); without, a first calibration")
       ->type_name("O.csv")
+      ->group("Input");
+  app->add_option("--spots", o->spots,
+                  "Faces on the table, in W: point,artifact,x_mm,y_mm,z_mm,nx,ny,nz (CSV); default: three columns")
+      ->type_name("S.csv")
+      ->excludes("--observations")
       ->group("Input");
   app->add_option("--separate", o->separate, "Effects to be seen, and told apart: ID or ID,ID")
       ->delimiter(',')

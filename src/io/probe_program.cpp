@@ -9,6 +9,7 @@
 
 #include "error.h"
 #include "io/csv.h"
+#include "kinematics/kinematic_chain.h"
 
 namespace trunnion {
 namespace {
@@ -136,6 +137,9 @@ class Writer {
 
 std::string linuxcnc_probe_program(const ObservationSet& plan, const Machine& machine, const ProbeMoves& moves,
                                    const std::string& log_name) {
+  if (KinematicChain(machine).has_rotary(Side::tool))
+    throw RefusalError(
+        "--nc linuxcnc: a rotary axis of this machine carries the tool; X, Y and Z of the probe would turn with it");
   return Writer(plan, machine, moves).run(log_name);
 }
 

@@ -20,8 +20,8 @@ struct ProbeMoves {
 /// A program for LinuxCNC (RS274/NGC: G38.2, LOG comments) that takes the readings of a plan. X, Y and Z are R's
 /// coordinates in the work offset that is active, whatever A and C are (no tool-centre-point control), the tool length
 /// that of the ball's centre. It retracts above everything before a rotary axis moves, stops where a face is not met,
-/// and writes `log_name`. Throws RefusalError where a move would leave a stroke, UsageError for a label that a comment
-/// cannot hold.
+/// and writes `log_name`. Throws RefusalError where a move would leave a stroke, or a rotary axis carries
+/// the tool, UsageError for a label that a comment cannot hold.
 std::string linuxcnc_probe_program(const ObservationSet& plan, const Machine& machine, const ProbeMoves& moves,
                                    const std::string& log_name);
 

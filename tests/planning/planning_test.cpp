@@ -195,6 +195,14 @@ TEST(ProbeProgram, ItsLogReadsBackAsThePlan) {
   EXPECT_EQ(file.rows.size(), read.rows.size());
 }
 
+TEST(ProbeProgram, RefusesAHeadThatTurnsTheProbe) {
+  const Machine head = testing::plain_machine("w C' b X Y Z A t");
+  const std::vector<Spot> spots = column_spots();
+  const ObservationSet plan = planned_observations(head, spots, first_plan(head, spots, {}), {}, "plan");
+  EXPECT_THAT([&] { linuxcnc_probe_program(plan, head, {}, "t.log"); },
+              ::testing::ThrowsMessage<RefusalError>(HasSubstr("carries the tool")));
+}
+
 TEST(ProbeLog, SaysWhatIsWrongInOneLine) {
   const Machine machine = the_machine();
   const std::string head = "trunnion-probe-log,1,virtual,0\n";
