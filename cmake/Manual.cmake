@@ -26,7 +26,7 @@ if(TRUNNION_HELP2MAN)
     DEPENDS trunnion VERBATIM)
   list(APPEND made ${page})
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime OPTIONAL)
-  foreach(command identify close plan import evaluate tables correct predict report history batch completion)
+  foreach(command doctor identify close plan import evaluate tables correct predict report history batch completion)
     set(page ${share}/trunnion-${command}.1)
     add_custom_command(OUTPUT ${page}
       COMMAND ${CMAKE_COMMAND} -E make_directory ${share}

@@ -32,6 +32,7 @@ struct Command {
   CLI::App* options = nullptr;
   Run run;
 };
+Command doctor_command(CLI::App& program, const Talk& talk);
 Command identify_command(CLI::App& program, const Talk& talk);
 Command evaluate_command(CLI::App& program, const Talk& talk);
 Command tables_command(CLI::App& program, const Talk& talk);

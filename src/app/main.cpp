@@ -83,6 +83,7 @@ int run(int argc, char** argv) {
   };
   constexpr const char *kMeasure = "Measure and understand", *kCorrect = "Correct", *kKeep = "Keep and show";
   for (const auto& [group, add] : std::initializer_list<Entry>{
+           {kMeasure, doctor_command},
            {kMeasure, identify_command},
            {kMeasure, close_command},
            {kMeasure, plan_command},
