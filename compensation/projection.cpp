@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/effects/location_errors.h"
 #include "model/joint_motion.h"
 
 namespace trunnion {
@@ -171,7 +172,7 @@ OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>&
 }
 
 PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
-                 const std::vector<double>& turn_at_deg) {
+                 const std::vector<double>& turn_at_deg, const EffectPtr& followed) {
   using Lever = Eigen::Matrix<double, 9, 1>;  // columns of the lever matrix one below the other
   using Seen = Eigen::Matrix<double, 11, 1>;  // those times the volume's half-widths, and the tilt
   constexpr double kPreferRotary = 1e-6;      // what A or C can do as well is theirs
@@ -193,8 +194,10 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
   fit.tilt_rad.resize(rows, columns);
   fit.turn_rad.resize(rows, columns);
   for (Eigen::MatrixXd& shift : fit.shift_mm) shift.resize(rows, columns);
+  fit.left.resize(11, rows * columns);
   for (Eigen::Index i = 0; i < rows; ++i) {
     std::vector<Vector6d> errors, about_a, about_c;
+    std::vector<Seen> asked;
     std::vector<Eigen::Matrix<double, 11, 2>> turning;
     std::vector<Eigen::Matrix<double, 2, 11>> solve;
     Eigen::Matrix<double, 9, 9> normal = kPreferRotary * Eigen::Matrix<double, 9, 9>::Identity();
@@ -204,6 +207,12 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
                                Angle::degrees(turn_at_deg[static_cast<std::size_t>(j)])};
       const Situation s = in_the_middle(task, at);
       errors.push_back(rotary_part(task, at).vector());
+      asked.push_back(seen(errors.back().tail<3>()));
+      if (followed != nullptr) {
+        const Vector6d carried = followed->at(s).vector();
+        asked.back().head<9>() -= seen(carried.tail<3>()).head<9>();
+        errors.back() -= carried;
+      }
       about_a.push_back(joint_rotation(task.chain, task.chain.tilt_index(), s));
       about_c.push_back(joint_rotation(task.chain, task.chain.turn_index(), s));
       Eigen::Matrix<double, 11, 2> b;
@@ -214,13 +223,15 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
       // Rotary axes eliminated: what they cannot take is left to the levers.
       const Eigen::Matrix<double, 11, 11> left = Eigen::Matrix<double, 11, 11>::Identity() - b * solve.back();
       normal += lever_seen.transpose() * left * lever_seen;
-      right += lever_seen.transpose() * left * seen(errors.back().tail<3>());
+      right += lever_seen.transpose() * left * asked.back();
     }
     const Lever lever = normal.ldlt().solve(right);
     fit.lever.push_back(Eigen::Map<const Eigen::Matrix3d>(lever.data()));
     for (Eigen::Index j = 0; j < columns; ++j) {
       const auto n = static_cast<std::size_t>(j);
-      const Eigen::Vector2d turned = -(solve[n] * (seen(errors[n].tail<3>()) - lever_seen * lever));
+      const Seen unlevered = asked[n] - lever_seen * lever;
+      const Eigen::Vector2d turned = -(solve[n] * unlevered);
+      fit.left.col(i * columns + j) = unlevered + turning[n] * turned;
       fit.tilt_rad(i, j) = turned[0];
       fit.turn_rad(i, j) = turned[1];
       const Vector6d rest = errors[n] + turned[0] * about_a[n] + turned[1] * about_c[n];
@@ -229,6 +240,39 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
     }
   }
   return fit;
+}
+
+EffectPtr followed_location(const CompensationTask& task) {
+  constexpr double kPreferFollowed = 1e-3;  // mean squares: far below what a table could not say
+  const EffectPtr location = make_location_errors(effect_context(task.machine));
+  const auto n = static_cast<Eigen::Index>(location->parameters().size());
+  const std::vector<double> tilt_at = even_nodes(task.volume.a.low.in_degrees(), task.volume.a.high.in_degrees(), 15);
+  std::vector<double> turn_at = even_nodes(0, 360, 30);
+  turn_at.pop_back();  // the first again
+  const PairFit whole = pair_fit(task, tilt_at, turn_at);
+  const Model nothing;
+  CompensationTask blank(task.machine, nothing, task.options, task.profile.questions());
+  blank.volume = task.volume;
+  Eigen::MatrixXd left(whole.left.size(), n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const EffectPtr alone = location->with_parameters(Eigen::VectorXd::Unit(n, k), {});
+    left.col(k) = pair_fit(blank, tilt_at, turn_at, alone).left.reshaped();
+  }
+  Eigen::MatrixXd normal = left.transpose() * left;
+  Eigen::VectorXd right = -left.transpose() * whole.left.reshaped();
+  const Matrix6d metric = kPreferFollowed * volume_metric(task.volume);
+  for (const double tilt : tilt_at)
+    for (const double turn : turn_at) {
+      const Situation s = in_the_middle(task, {Angle::degrees(tilt), Angle::degrees(turn)});
+      const Matrix6Xd basis = location->basis(s);
+      normal += basis.transpose() * metric * basis;
+      right += basis.transpose() * metric * rotary_part(task, s.at).vector();
+    }
+  // Lengths in mm and angles in rad: of one size only when scaled.
+  const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-9;
+  return location->with_parameters(scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * right), {});
 }
 
 ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,

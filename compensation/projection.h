@@ -51,10 +51,17 @@ struct PairFit {
   Eigen::MatrixXd tilt_rad, turn_rad;
   std::array<Eigen::MatrixXd, 3> shift_mm;  ///< of X, Y, Z at R's origin
   std::vector<Eigen::Matrix3d> lever;       ///< mm per mm, one per A: column k goes with coordinate k
+  /// What is left of the turning, A outer: mm that it spreads along each axis (3 x 3), and the tilt seen at 20 mm.
+  Eigen::Matrix<double, 11, Eigen::Dynamic> left;
 };
-/// Least squares in the volume's metric at the given positions.
+/// Least squares in the volume's metric at the given positions. With `followed`, an effect of the table, X Y Z follow
+/// the displacement that it makes already, and nobody has followed its tilt.
 PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
-                 const std::vector<double>& turn_at_deg);
+                 const std::vector<double>& turn_at_deg, const EffectPtr& followed = nullptr);
+
+/// The location errors that X, Y, Z shall follow by the control's own transformation, so that what pair_fit leaves
+/// beside them is least; among equals, those that leave its tables least to do.
+EffectPtr followed_location(const CompensationTask& task);
 
 /// The table's error as an error of A that depends on A and one of C that depends on C (in A's frame), nearest in the
 /// volume's metric: e(A, C) = eA(A) + Ad(A) eC(C). With `turn_by_both` eC may depend on A too and nothing is left out;

@@ -305,7 +305,7 @@ Controller heidenhain() {
                  "Are .COM and COMPTAB values errors that the control takes away, or corrections that it adds?",
                  {"error", "correction"},
                  "Load commissioning/own_peak as AXIS_A.COM (AXIS_B.COM), tilt to -30 deg and read the axis against an "
-                 "indicator: it stands 0.005 deg short of the command if the control takes errors away."},
+                 "indicator: it stands at -30.005 deg if the control takes errors away."},
                 {"comptab_prefix",
                  "What stands before the column's name in COMPTAB?",
                  {"axis letter", "A"},

@@ -6,13 +6,16 @@
 #include <optional>
 
 #include "compensation/controllers/controllers.h"
+#include "compensation/controllers/sinumerik_assignments.h"
+#include "compensation/controllers/sinumerik_trafo5.h"
 #include "compensation/grid_table.h"
 #include "compensation/number_text.h"
 #include "compensation/projection.h"
 #include "error.h"
 
-// SINUMERIK 840D sl and ONE: encoder error compensation (EEC) of A and C, and sag compensation tables (CEC): functions
-// of one axis that act on another, and products of two of them.
+// SINUMERIK 840D sl and ONE: encoder error compensation (EEC) of A and C, sag compensation tables (CEC): functions of
+// one axis that act on another, and products of two of them; beside them the vectors of the transformation
+// (sinumerik_trafo5.h).
 
 namespace trunnion {
 namespace {
@@ -151,10 +154,10 @@ class CecFile {
 
 /// All that could be written, each term with what it brings.
 std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& tilt, const PiecewiseLinear& turn,
-                           const std::vector<double>& tilt_at, const std::vector<double>& turn_at, Emission emission,
-                           std::vector<Curve>& own) {
+                           const std::vector<double>& tilt_at, const std::vector<double>& turn_at,
+                           const EffectPtr& followed, Emission emission, std::vector<Curve>& own) {
   const char a = task.machine.tilt_letter();
-  const PairFit fit = pair_fit(task, tilt_at, turn_at);
+  const PairFit fit = pair_fit(task, tilt_at, turn_at, followed);
   const Eigen::MatrixXd over_tilt = tilt.projector(tilt_at), over_turn = turn.projector(turn_at);
   const Matrix6d metric = volume_metric(task.volume);
   const auto curve = [&](bool of_tilt, const Eigen::VectorXd& sampled) {
@@ -263,7 +266,8 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   const PiecewiseLinear turn(even_nodes(0, 360, step), Boundary::repeat);
   const std::vector<double> tilt_at = tilt.sample_points(2), turn_at = turn.sample_points(2);
   std::vector<Curve> own;
-  std::vector<Term> terms = terms_of(task, tilt, turn, tilt_at, turn_at, emission, own);
+  const EffectPtr followed = sets_trafo5(task) ? followed_location(task) : nullptr;
+  std::vector<Term> terms = terms_of(task, tilt, turn, tilt_at, turn_at, followed, emission, own);
 
   const double most_nodes = task.profile.number("cec_points"), most_encoder_nodes = task.profile.number("eec_points");
   const auto longest = static_cast<double>(std::max(tilt.nodes().size(), turn.nodes().size()));
@@ -283,43 +287,8 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   std::vector<TableFile> files;
   for (const Curve& curve : own) files.push_back({eec_file(task, curve.input), eec_text(task, curve, emission)});
   if (cec.tables() > 0) files.push_back({kCecFile, cec.text()});
+  if (followed != nullptr) files.push_back(trafo5_file(task, *followed, emission));
   return files;
-}
-
-/// Assignments of a file: variable to index text to value text.
-struct Assignments {
-  std::map<std::string, std::map<std::string, std::string>> values;
-  std::map<std::string, std::size_t> lines;  ///< of "variable[index]"
-};
-
-Assignments read_assignments(const TableFile& file) {
-  Assignments read;
-  std::size_t line_number = 0;
-  bool ended = false;
-  for (std::string_view line : lines_of(file.text)) {
-    ++line_number;
-    line = trimmed(line.substr(0, line.find(';')));
-    if (line.empty() || ended) continue;
-    if (line == "M17" || line == "M02" || line == "M30") {
-      ended = true;
-      continue;
-    }
-    if (line.starts_with("%_N_") || line.starts_with("CHANDATA")) continue;
-    const std::size_t open = line.find('['), close = line.find(']'), equals = line.find('=');
-    if (line[0] != '$' || open == std::string_view::npos || close == std::string_view::npos ||
-        equals == std::string_view::npos || !(open < close && close < equals))
-      throw InputError(file.name, line_number, "\"" + std::string(line) + "\": $VARIABLE[index]=value is wanted");
-    std::string index;
-    for (const char letter : line.substr(open + 1, close - open - 1))
-      if (letter != ' ' && letter != '\t') index += letter;
-    const std::string name(trimmed(line.substr(0, open)));
-    std::string value(trimmed(line.substr(equals + 1)));
-    if (value.size() > 1 && value.front() == '(' && value.back() == ')') value = value.substr(1, value.size() - 2);
-    read.values[name][index] = value;
-    read.lines[name + "[" + index + "]"] = line_number;
-  }
-  if (!ended) throw InputError(file.name, line_number, "the end M17 is missing");
-  return read;
 }
 
 /// One table as the control holds it.
@@ -331,29 +300,9 @@ struct HeldTable {
   bool on = true;
 };
 
-class Reader {
+class Reader : public SinumerikAssignments {
  public:
-  explicit Reader(const TableFile& file) : file_(file), read_(read_assignments(file)) {}
-
-  const std::string& text(const std::string& name, const std::string& index) const {
-    const auto variable = read_.values.find(name);
-    if (variable == read_.values.end() || !variable->second.contains(index))
-      throw InputError(file_.name, name + "[" + index + "] is missing");
-    return variable->second.at(index);
-  }
-  double number(const std::string& name, const std::string& index) const {
-    const std::string& word = text(name, index);
-    const auto value = number_from(word);
-    if (!value)
-      throw InputError(file_.name, read_.lines.at(name + "[" + index + "]"),
-                       name + ": \"" + word + "\" found, a number is wanted");
-    return *value;
-  }
-  const std::map<std::string, std::string>& all(const std::string& name) const {
-    static const std::map<std::string, std::string> none;
-    const auto found = read_.values.find(name);
-    return found == read_.values.end() ? none : found->second;
-  }
+  using SinumerikAssignments::SinumerikAssignments;
 
   /// The nodes MIN + N STEP and their values, `node_index` giving the index text of node N.
   template <class NodeIndex>
@@ -362,8 +311,8 @@ class Reader {
                  to = number(name + "_MAX", index);
     const double cells = (to - from) / step;
     if (!(step > 0) || !(cells >= 1) || !(cells < 1e5) || std::abs(cells - std::round(cells)) > 1e-6)
-      throw InputError(file_.name, name + "[" + index + "]: (MAX - MIN) / STEP is " + shortest_text(cells) +
-                                       ", a whole number is wanted");
+      throw InputError(file_name(), name + "[" + index + "]: (MAX - MIN) / STEP is " + shortest_text(cells) +
+                                        ", a whole number is wanted");
     Curve c;
     c.boundary = number(name + "_IS_MODULO", index) == 1 ? Boundary::repeat : Boundary::hold;
     const auto last = static_cast<std::size_t>(std::round(cells));
@@ -372,14 +321,10 @@ class Reader {
       c.values.push_back(number(name, node_index(n)));
     }
     if (c.boundary == Boundary::repeat && c.values.front() != c.values.back())
-      throw InputError(file_.name, name + "[" + index + "]: a modulo table jumps where it closes: " +
-                                       shortest_text(c.values.front()) + " and " + shortest_text(c.values.back()));
+      throw InputError(file_name(), name + "[" + index + "]: a modulo table jumps where it closes: " +
+                                        shortest_text(c.values.front()) + " and " + shortest_text(c.values.back()));
     return c;
   }
-
- private:
-  const TableFile& file_;
-  Assignments read_;
 };
 
 class Sinumerik : public PlayedCompensation {
@@ -390,6 +335,11 @@ class Sinumerik : public PlayedCompensation {
     sign_ = task.profile.answer("cec_sign") == "subtract" ? -1 : 1;
     replaces_ = task.profile.answer("cec_product") == "instead of the table's own value";
     needs_on_ = task.profile.answer("cec_factor") == "must be switched on";
+  }
+
+  void load_transformation(const TableFile& file, const CompensationTask& task) {
+    nominal_ = task.chain;
+    believed_ = read_trafo5(file, task);
   }
 
   void load_encoder(const TableFile& file) {
@@ -452,7 +402,11 @@ class Sinumerik : public PlayedCompensation {
       moved[table.output[0]] += sign_ * sum;
     }
     const auto of = [&](char axis) { return moved.contains(axis) ? moved.at(axis) : 0.0; };
-    return {{of('X'), of('Y'), of('Z')}, of(tilt_) * kDegree, of('C') * kDegree};
+    Eigen::Vector3d linear(of('X'), of('Y'), of('Z'));
+    // The transformation goes where it believes the point of the workpiece to be.
+    if (believed_)
+      linear += believed_->r_from_w(s.at) * (nominal_->r_from_w(s.at).inverse() * s.point_r_mm) - s.point_r_mm;
+    return {linear, of(tilt_) * kDegree, of('C') * kDegree};
   }
 
  private:
@@ -468,6 +422,7 @@ class Sinumerik : public PlayedCompensation {
   std::map<std::string, char> letters_;
   std::vector<Curve> encoder_;
   std::map<std::size_t, HeldTable> sag_;
+  std::optional<KinematicChain> nominal_, believed_;
 };
 
 std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, const CompensationTask& task) {
@@ -476,6 +431,7 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
   for (const TableFile& file : files) {
     if (file.name.ends_with("_EEC.INI")) control->load_encoder(file), any = true;
     if (file.name == kCecFile) control->load_sag(file), any = true;
+    if (file.name == kTrafo5File) control->load_transformation(file, task);
   }
   if (!any) throw InputError(kCecFile, "missing, and there is no *_EEC.INI");
   return control;
@@ -493,13 +449,13 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>& 
          "). Changing them formats the static memory at the next start.\n"
          "2. While loading, MD32700 $MA_ENC_COMP_ENABLE and MD32710 $MA_CEC_ENABLE of all axes must be 0.\n3. Load the "
          "files:\n" +
-         list +
+         list + (sets_trafo5(task) ? "\n   " + trafo5_loading(task) : "") +
          "4. MD32710 = 1 for X, Y, Z and the rotary axes, MD32700 = 1 for the rotary axes; reset; reference the axes. "
          "Positions change at that moment: stand clear.\n\n"
          "Units are metric, degrees for rotary axes: no inch system (MD10240 = 1), MD32711 alike. Tables over Z assume "
          "a tool of " +
-         shortest_text(task.volume.tool_length.in_millimetres()) +
-         " mm.\n\nUndo: MD32700 = 0 and MD32710 = 0, reset.\n";
+         shortest_text(task.volume.tool_length.in_millimetres()) + " mm.\n\nUndo: MD32700 = 0 and MD32710 = 0, reset" +
+         (sets_trafo5(task) ? "; the old values of the transformation's machine data" : "") + ".\n";
 }
 
 std::vector<TableFile> commissioning(const CompensationTask& task) {
@@ -526,38 +482,40 @@ Controller sinumerik_840d() {
   std::vector<ProfileNumber> numbers = {
       {"cec_tables", "CEC tables that the control has (array size of MD18342)", 62, 1, 200},
       {"cec_points", "nodes of one CEC table (MD18342)", 400, 3, 5000},
-      {"eec_points", "nodes of one encoder compensation (MD38000)", 400, 3, 5000}};
+      {"eec_points", "nodes of one encoder compensation (MD38000)", 400, 3, 5000},
+      {"trafo5_number", "number of the five-axis transformation among those of the channel", 1, 1, 20}};
   double number = 1;
   for (const char* axis : {"X", "Y", "Z", "A", "B", "C"}) {
     numbers.push_back({std::string("axis_number_") + axis, "number of the machine axis", number, 1, 31});
     if (axis[0] != 'A') ++number;
   }
-  return {
-      .name = "sinumerik-840d",
-      .title = "SINUMERIK 840D sl, ONE: EEC and CEC",
-      .cannot_hold =
-          "lever arms that change with C as far as A and C cannot take them, and more products than there are tables.",
-      .questions =
-          {{{"cec_sign",
-             "Is a CEC value added to the setpoint, or does the axis move against it?",
-             {"add", "subtract"},
-             "Load commissioning/one_peak, tilt to -30 deg: Y moves +0.02 mm if values are added."},
-            {"cec_product",
-             "Does MULT_BY_TABLE put the product in place of the table's own value, or beside it?",
-             {"instead of the table's own value", "beside the table's own value"},
-             "Load commissioning/product, tilt to -30 deg: Y moves 0.01 mm if the product stands alone, 0.03 mm if "
-             "beside."},
-            {"cec_factor",
-             "Does a table still serve as a factor while SD41300 $SN_CEC_TABLE_ENABLE of it is 0?",
-             {"works while switched off", "must be switched on"},
-             "With commissioning/product loaded set SD41300[1] = 0: see whether Y still moves by the product."}},
-           numbers},
-      .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
-                   Angle::degrees(3)},
-      .emit = emit,
-      .play = play,
-      .loading = loading,
-      .commissioning = commissioning};
+  std::vector<ProfileItem> items = {
+      {"cec_sign",
+       "Is a CEC value added to the setpoint, or does the axis move against it?",
+       {"add", "subtract"},
+       "Load commissioning/one_peak, tilt to -30 deg: Y moves +0.02 mm if values are added."},
+      {"cec_product",
+       "Does MULT_BY_TABLE put the product in place of the table's own value, or beside it?",
+       {"instead of the table's own value", "beside the table's own value"},
+       "Load commissioning/product, tilt to -30 deg: Y moves 0.01 mm if the product stands alone, 0.03 mm if "
+       "beside."},
+      {"cec_factor",
+       "Does a table still serve as a factor while SD41300 $SN_CEC_TABLE_ENABLE of it is 0?",
+       {"works while switched off", "must be switched on"},
+       "With commissioning/product loaded set SD41300[1] = 0: see whether Y still moves by the product."}};
+  for (ProfileItem& item : trafo5_questions()) items.push_back(std::move(item));
+  return {.name = "sinumerik-840d",
+          .title = "SINUMERIK 840D sl, ONE: EEC, CEC and the vectors of the transformation",
+          .cannot_hold =
+              "lever arms that change with C as far as neither A and C nor the transformation's vectors take them, and "
+              "more products than there are tables.",
+          .questions = {items, numbers},
+          .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
+                       Angle::degrees(5), Angle::degrees(3)},
+          .emit = emit,
+          .play = play,
+          .loading = loading,
+          .commissioning = commissioning};
 }
 
 }  // namespace trunnion
