@@ -1,156 +1,30 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
 #include "compensation/controllers/controllers.h"
-#include "compensation/controllers/sinumerik_assignments.h"
+#include "compensation/controllers/sinumerik_tables.h"
 #include "compensation/controllers/sinumerik_trafo5.h"
-#include "compensation/grid_table.h"
 #include "compensation/number_text.h"
 #include "compensation/projection.h"
 #include "error.h"
 
-// SINUMERIK 840D sl and ONE: encoder error compensation (EEC) of A and C, sag compensation tables (CEC): functions of
-// one axis that act on another, and products of two of them; beside them the vectors of the transformation
-// (sinumerik_trafo5.h).
+// SINUMERIK 840D sl and ONE: which functions and products of functions are worth a table of the control
+// (sinumerik_tables.h), beside the vectors of its transformation (sinumerik_trafo5.h).
 
 namespace trunnion {
 namespace {
 
+using sinumerik::axis_name;
+using sinumerik::CecFile;
+using sinumerik::Curve;
+using sinumerik::header;
+using sinumerik::Term;
+
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kOutputDecimals = 7;         // mm or deg
-constexpr int kFactorDecimals = 12;        // factors of products carry other units
 constexpr Eigen::Index kMostProducts = 5;  // of one output over (A, C)
-constexpr const char* kCecFile = "CEC.INI";
-
-std::string axis_name(const CompensationTask& task, char axis) {
-  return "AX" + shortest_text(task.profile.number(std::string("axis_number_") + axis));
-}
-std::string eec_file(const CompensationTask& task, char axis) { return axis_name(task, axis) + "_EEC.INI"; }
-
-/// A function of one axis at even nodes.
-struct Curve {
-  char input = 'A';
-  std::vector<double> nodes, values;
-  Boundary boundary = Boundary::hold;
-};
-
-/// A contribution to one output axis, in mm or degrees: a curve, or the product of two.
-struct Term {
-  char output = 'X';
-  Curve curve;
-  std::optional<Curve> factor;
-  int direction = 0;
-  double gain = 0;    ///< mean square of the deviation that it takes away, mm^2
-  bool ramp = false;  ///< `factor` is a coordinate itself, which terms share
-};
-
-std::string header(const CompensationTask& task, const char* name) {
-  std::string text = std::string("%_N_") + name + "\nCHANDATA(1)\n; " + provenance(task) + "\n";
-  if (!task.profile.load_ready()) text += "; DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
-  return text;
-}
-
-std::string value_text(double value, int decimals, Emission emission) {
-  return emission.quantised ? fixed_text(value, decimals) : shortest_text(value);
-}
-
-double step_of(const Curve& curve) {
-  return (curve.nodes.back() - curve.nodes.front()) / static_cast<double>(curve.nodes.size() - 1);
-}
-
-std::string eec_text(const CompensationTask& task, const Curve& curve, Emission emission) {
-  const std::string axis = axis_name(task, curve.input);
-  std::string text = header(task, (axis + "_EEC_INI").c_str());
-  // The control takes a value away: a positive one moves the axis in negative direction.
-  for (std::size_t k = 0; k < curve.values.size(); ++k)
-    text += "$AA_ENC_COMP[0," + std::to_string(k) + "," + axis +
-            "]=" + value_text(-curve.values[k], kOutputDecimals, emission) + "\n";
-  const std::string index = "[0," + axis + "]=";
-  return text + "$AA_ENC_COMP_STEP" + index + shortest_text(rounded(step_of(curve), 12)) + "\n$AA_ENC_COMP_MIN" +
-         index + shortest_text(curve.nodes.front()) + "\n$AA_ENC_COMP_MAX" + index + shortest_text(curve.nodes.back()) +
-         "\n$AA_ENC_COMP_IS_MODULO" + index + (curve.boundary == Boundary::repeat ? "1" : "0") + "\nM17\n";
-}
-
-/// All tables of one file: numbers run as tables are added.
-class CecFile {
- public:
-  CecFile(const CompensationTask& task, Emission emission) : task_(task), emission_(emission) {
-    sign_ = task.profile.answer("cec_sign") == "add" ? 1 : -1;
-    adds_plain_ = task.profile.answer("cec_product") == "beside the table's own value";
-    factor_alone_ = task.profile.answer("cec_factor") == "works while switched off";
-  }
-
-  /// How many tables `term` takes on top of what is there.
-  std::size_t cost(const Term& term) const {
-    if (!term.factor) return 1;
-    const bool shared = term.ramp && ramps_.contains(term.factor->input);
-    return 1 + (shared ? 0 : (factor_alone_ ? 1 : 2));
-  }
-
-  void add(const Term& term) {
-    if (!term.factor) {
-      write(term.output, scaled(term.curve, sign_), 0, term.direction, kOutputDecimals, true);
-      return;
-    }
-    // Where a table's own value counts beside its product, f + f (g - 1) = f g.
-    Curve factor = *term.factor;
-    if (adds_plain_)
-      for (double& value : factor.values) value -= 1;
-    std::size_t number = 0;
-    if (const auto found = ramps_.find(factor.input); term.ramp && found != ramps_.end()) {
-      number = found->second;
-    } else {
-      number = write(term.output, factor, 0, 0, kFactorDecimals, !factor_alone_);
-      // A factor that must be switched on acts by itself: take that away again.
-      if (!factor_alone_) write(term.output, scaled(factor, -1), 0, 0, kFactorDecimals, true);
-      if (term.ramp) ramps_[factor.input] = number;
-    }
-    write(term.output, scaled(term.curve, sign_), number, 0, kFactorDecimals, true);
-  }
-
-  std::size_t tables() const { return count_; }
-  std::string text() const { return header(task_, "NC_CEC_INI") + text_ + "M17\n"; }
-
- private:
-  static Curve scaled(Curve curve, double factor) {
-    for (double& value : curve.values) value *= factor;
-    return curve;
-  }
-
-  /// Writes one table and returns its number (its index plus one).
-  std::size_t write(char output, const Curve& curve, std::size_t multiply_by, int direction, int decimals,
-                    bool switched_on) {
-    const std::string t = std::to_string(count_);
-    for (std::size_t k = 0; k < curve.values.size(); ++k)
-      text_ +=
-          "$AN_CEC[" + t + "," + std::to_string(k) + "]=" + value_text(curve.values[k], decimals, emission_) + "\n";
-    const auto line = [&](const char* what, const std::string& value) {
-      text_ += std::string("$AN_CEC_") + what + "[" + t + "]=" + value + "\n";
-    };
-    line("INPUT_AXIS", "(" + axis_name(task_, curve.input) + ")");
-    line("OUTPUT_AXIS", "(" + axis_name(task_, output) + ")");
-    line("STEP", shortest_text(rounded(step_of(curve), 12)));
-    line("MIN", shortest_text(curve.nodes.front()));
-    line("MAX", shortest_text(curve.nodes.back()));
-    line("DIRECTION", std::to_string(direction));
-    line("MULT_BY_TABLE", std::to_string(multiply_by));
-    line("IS_MODULO", curve.boundary == Boundary::repeat ? "1" : "0");
-    text_ += "$SN_CEC_TABLE_ENABLE[" + t + "]=" + (switched_on ? "1" : "0") + "\n";
-    return ++count_;
-  }
-
-  const CompensationTask& task_;
-  Emission emission_;
-  double sign_;
-  bool adds_plain_, factor_alone_;
-  std::size_t count_ = 0;
-  std::map<char, std::size_t> ramps_;
-  std::string text_;
-};
 
 /// All that could be written, each term with what it brings.
 std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& tilt, const PiecewiseLinear& turn,
@@ -285,156 +159,10 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     terms.erase(best);
   }
   std::vector<TableFile> files;
-  for (const Curve& curve : own) files.push_back({eec_file(task, curve.input), eec_text(task, curve, emission)});
-  if (cec.tables() > 0) files.push_back({kCecFile, cec.text()});
+  for (const Curve& curve : own) files.push_back(eec_file(task, curve, emission));
+  if (cec.tables() > 0) files.push_back(cec.file());
   if (followed != nullptr) files.push_back(trafo5_file(task, *followed, emission));
   return files;
-}
-
-/// One table as the control holds it.
-struct HeldTable {
-  std::string output;
-  Curve curve;
-  int direction = 0;
-  std::size_t multiply_by = 0;
-  bool on = true;
-};
-
-class Reader : public SinumerikAssignments {
- public:
-  using SinumerikAssignments::SinumerikAssignments;
-
-  /// The nodes MIN + N STEP and their values, `node_index` giving the index text of node N.
-  template <class NodeIndex>
-  Curve curve(const std::string& name, const std::string& index, NodeIndex node_index) const {
-    const double step = number(name + "_STEP", index), from = number(name + "_MIN", index),
-                 to = number(name + "_MAX", index);
-    const double cells = (to - from) / step;
-    if (!(step > 0) || !(cells >= 1) || !(cells < 1e5) || std::abs(cells - std::round(cells)) > 1e-6)
-      throw InputError(file_name(), name + "[" + index + "]: (MAX - MIN) / STEP is " + shortest_text(cells) +
-                                        ", a whole number is wanted");
-    Curve c;
-    c.boundary = number(name + "_IS_MODULO", index) == 1 ? Boundary::repeat : Boundary::hold;
-    const auto last = static_cast<std::size_t>(std::round(cells));
-    for (std::size_t n = 0; n <= last; ++n) {
-      c.nodes.push_back(n == last ? to : from + static_cast<double>(n) * step);
-      c.values.push_back(number(name, node_index(n)));
-    }
-    if (c.boundary == Boundary::repeat && c.values.front() != c.values.back())
-      throw InputError(file_name(), name + "[" + index + "]: a modulo table jumps where it closes: " +
-                                        shortest_text(c.values.front()) + " and " + shortest_text(c.values.back()));
-    return c;
-  }
-};
-
-class Sinumerik : public PlayedCompensation {
- public:
-  explicit Sinumerik(const CompensationTask& task) : tilt_(task.machine.tilt_letter()) {
-    for (const char axis : {'X', 'Y', 'Z', tilt_, 'C'}) letters_[axis_name(task, axis)] = axis;
-    if (letters_.size() != 5) throw ModelError("profile.axis_number_X …: two axes have the same number");
-    sign_ = task.profile.answer("cec_sign") == "subtract" ? -1 : 1;
-    replaces_ = task.profile.answer("cec_product") == "instead of the table's own value";
-    needs_on_ = task.profile.answer("cec_factor") == "must be switched on";
-  }
-
-  void load_transformation(const TableFile& file, const CompensationTask& task) {
-    nominal_ = task.chain;
-    believed_ = read_trafo5(file, task);
-  }
-
-  void load_encoder(const TableFile& file) {
-    const Reader reader(file);
-    for (const auto& [index, value] : reader.all("$AA_ENC_COMP_STEP")) {
-      const std::string axis = index.substr(index.find(',') + 1);
-      Curve c =
-          reader.curve("$AA_ENC_COMP", index, [&](std::size_t n) { return "0," + std::to_string(n) + "," + axis; });
-      c.input = letter(file, axis);
-      encoder_.push_back(std::move(c));
-    }
-  }
-
-  void load_sag(const TableFile& file) {
-    const Reader reader(file);
-    for (const auto& [index, value] : reader.all("$AN_CEC_STEP")) {
-      const auto t = integer_from(index);
-      if (!t || *t < 0 || *t > 9999)
-        throw InputError(file.name, "$AN_CEC_STEP[" + index + "]: a table index is wanted");
-      HeldTable table;
-      table.curve = reader.curve("$AN_CEC", index, [&](std::size_t n) { return index + "," + std::to_string(n); });
-      table.curve.input = letter(file, reader.text("$AN_CEC_INPUT_AXIS", index));
-      table.output = std::string(1, letter(file, reader.text("$AN_CEC_OUTPUT_AXIS", index)));
-      table.direction = static_cast<int>(reader.number("$AN_CEC_DIRECTION", index));
-      const double factor = reader.number("$AN_CEC_MULT_BY_TABLE", index);
-      if (!(factor >= 0 && factor <= 9999))
-        throw InputError(file.name, "$AN_CEC_MULT_BY_TABLE[" + index + "]: a table number is wanted");
-      table.multiply_by = static_cast<std::size_t>(factor);
-      table.on = reader.number("$SN_CEC_TABLE_ENABLE", index) == 1;
-      sag_[static_cast<std::size_t>(*t)] = std::move(table);
-    }
-    for (const auto& [t, table] : sag_)
-      if (table.multiply_by != 0 && !sag_.contains(table.multiply_by - 1))
-        throw InputError(file.name, "$AN_CEC_MULT_BY_TABLE[" + std::to_string(t) + "]: there is no table number " +
-                                        std::to_string(table.multiply_by));
-  }
-
-  AxisCorrection at(const Situation& s) const override {
-    const std::map<char, double> position = {{'X', s.point_r_mm.x()},
-                                             {'Y', s.point_r_mm.y()},
-                                             {'Z', s.point_r_mm.z() + s.tool_length_mm},
-                                             {tilt_, s.at.a.in_degrees()},
-                                             {'C', s.at.c.in_degrees()}};
-    std::map<char, double> moved;
-    const auto value = [&](const Curve& c) {
-      return interpolated(c.nodes, c.values, c.boundary, position.at(c.input));
-    };
-    // The actual value is raised by the table, so the axis ends up that much lower.
-    for (const Curve& c : encoder_) moved[c.input] -= value(c);
-    for (const auto& [t, table] : sag_) {
-      const int sense = table.curve.input == 'C' ? s.turn_sense : table.curve.input == tilt_ ? s.tilt_sense : 0;
-      if (!table.on || (table.direction != 0 && table.direction != sense)) continue;
-      const double plain = value(table.curve);
-      double sum = plain;
-      if (table.multiply_by != 0) {
-        const HeldTable& factor = sag_.at(table.multiply_by - 1);
-        const double product = needs_on_ && !factor.on ? 0 : plain * value(factor.curve);
-        sum = replaces_ ? product : plain + product;
-      }
-      moved[table.output[0]] += sign_ * sum;
-    }
-    const auto of = [&](char axis) { return moved.contains(axis) ? moved.at(axis) : 0.0; };
-    Eigen::Vector3d linear(of('X'), of('Y'), of('Z'));
-    // The transformation goes where it believes the point of the workpiece to be.
-    if (believed_)
-      linear += believed_->r_from_w(s.at) * (nominal_->r_from_w(s.at).inverse() * s.point_r_mm) - s.point_r_mm;
-    return {linear, of(tilt_) * kDegree, of('C') * kDegree};
-  }
-
- private:
-  char letter(const TableFile& file, const std::string& axis) const {
-    const auto found = letters_.find(axis);
-    if (found == letters_.end()) throw InputError(file.name, "axis " + axis + ": not an axis of this machine");
-    return found->second;
-  }
-
-  char tilt_;
-  double sign_;
-  bool replaces_, needs_on_;
-  std::map<std::string, char> letters_;
-  std::vector<Curve> encoder_;
-  std::map<std::size_t, HeldTable> sag_;
-  std::optional<KinematicChain> nominal_, believed_;
-};
-
-std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, const CompensationTask& task) {
-  auto control = std::make_unique<Sinumerik>(task);
-  bool any = false;
-  for (const TableFile& file : files) {
-    if (file.name.ends_with("_EEC.INI")) control->load_encoder(file), any = true;
-    if (file.name == kCecFile) control->load_sag(file), any = true;
-    if (file.name == kTrafo5File) control->load_transformation(file, task);
-  }
-  if (!any) throw InputError(kCecFile, "missing, and there is no *_EEC.INI");
-  return control;
 }
 
 std::string loading(const CompensationTask& task, const std::vector<TableFile>& files) {
@@ -508,12 +236,13 @@ Controller sinumerik_840d() {
           .title = "SINUMERIK 840D sl, ONE: EEC, CEC and the vectors of the transformation",
           .cannot_hold =
               "lever arms that change with C as far as neither A and C nor the transformation's vectors take them, and "
-              "more products than there are tables.",
+              "more products than there are tables. X, Y and Z follow a leaning axis by the vectors, the tool's axis "
+              "does not: A and C set it right only where that costs the position less than it brings at 20 mm.",
           .questions = {items, numbers},
           .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
                        Angle::degrees(5), Angle::degrees(3)},
           .emit = emit,
-          .play = play,
+          .play = sinumerik::play,
           .loading = loading,
           .commissioning = commissioning};
 }

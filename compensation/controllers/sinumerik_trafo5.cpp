@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compensation/controllers/sinumerik_assignments.h"
+#include "compensation/controllers/sinumerik_tables.h"
 #include "compensation/number_text.h"
 #include "error.h"
 
@@ -53,8 +54,7 @@ bool sets_trafo5(const CompensationTask& task) {
 TableFile trafo5_file(const CompensationTask& task, const Effect& location, Emission emission) {
   const auto [tilt, turn] = moved_lines(task, location);
   const double sense = task.profile.answer("trafo5_axes") == "against the axis" ? -1 : 1;
-  std::string text = "%_N_TRAFO5_INI\nCHANDATA(1)\n; " + provenance(task) + "\n";
-  if (!task.profile.load_ready()) text += "; DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
+  std::string text = sinumerik::header(task, "TRAFO5_INI");
   text += "; generic transformation, $MC_TRAFO_TYPE_" + shortest_text(task.profile.number("trafo5_number")) +
           "=40; lengths from R's origin\n";
   const auto vector = [&](const std::string& name, const Eigen::Vector3d& v, int decimals) {
