@@ -6,11 +6,14 @@
 
 #include "app/active_compensation.h"
 #include "app/command.h"
+#include "app/error_text.h"
 #include "app/map_change.h"
 #include "app/piece_closure.h"
+#include "app/terminal.h"
 #include "app/text_table.h"
 #include "discovery/closure.h"
 #include "error.h"
+#include "identification/findings.h"
 #include "io/closure_file.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
@@ -56,8 +59,24 @@ std::string corner_text(const std::vector<CornerChange>& changes) {
   return text + text_table(rows);
 }
 
-std::string summary(const ClosureResult& r) {
-  std::string text = "Verdict: " + std::string(verdict_text(r.verdict)) + ".\n";
+/// What was found, in one sentence.
+std::string verdict_sentence(const ClosureResult& r) {
+  const std::string residual =
+      "residual rms " + formatted("%.3f", r.after.rms_um) + " um, declared " + formatted("%.3f um", r.noise_um);
+  std::string names;
+  for (const AcceptedEffect& e : r.effects) names += (names.empty() ? "" : ", ") + e.effect->id();
+  std::string text(verdict_text(r.verdict));
+  if (r.effects.empty())
+    return text +
+           (r.verdict == Verdict::nothing_missing ? ": the rotary maps account for the readings, "
+                                                  : ": no effect of the catalogue accounts for what is left, ") +
+           residual;
+  return text + ": with " + names + " the residual falls from " + formatted("%.3f um rms", r.before.rms_um) + " to " +
+         formatted("%.3f um, ", r.after.rms_um) + "declared " + formatted("%.3f um", r.noise_um);
+}
+
+std::string summary(const ClosureResult& r, char tilt) {
+  std::string text = "Verdict: " + wrapped(verdict_sentence(r), 9) + ".\n";
   text += std::to_string(r.problem.readings.size()) + " readings at " + std::to_string(r.problem.poses.size()) +
           " poses, " + std::to_string(r.columns_scanned) + " columns of candidates scanned, declared sigma " +
           formatted("%.3f um", r.noise_um) +
@@ -101,6 +120,12 @@ std::string summary(const ClosureResult& r) {
       text += "  rigid within each pose: either this, or more complex rotary maps; to be sure: " + e.separate_by + "\n";
     if (e.absurd)
       text += "  its size is not credible for a sound machine: look for a mistake in the measurement first\n";
+  }
+  if (const RotaryErrorMap* map = r.model.rotary_map()) {
+    const std::vector<ErrorFinding> errors = summarise(map->content(), tilt);
+    if (!errors.empty())
+      text += "\nThe rotary maps with all of this taken out\n" + errors_table(errors, tilt) + "\n" +
+              worst_error_plot(*map, errors, tilt);
   }
   if (!r.refused.empty()) {
     text += "\nTried and refused:\n";
@@ -182,7 +207,7 @@ int run(const Options& o, const Talk& talk) {
   folder.add("residuals.csv", residual_csv(result, machine.tilt_letter()));
   if (piece) folder.add("piece.csv", piece->csv(result, piece_rows));
   folder.commit();
-  talk.show(summary(result) + (changes.empty() ? "" : corner_text(changes)) +
+  talk.show(summary(result, machine.tilt_letter()) + (changes.empty() ? "" : corner_text(changes)) +
             (piece ? piece_text(closure["piece"]) : ""));
   if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
   talk.say("wrote " + o.output + "/closure.json, model.json, residuals.csv");

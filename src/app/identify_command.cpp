@@ -1,10 +1,13 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/active_compensation.h"
 #include "app/command.h"
+#include "app/error_text.h"
+#include "app/terminal.h"
 #include "app/text_table.h"
 #include "error.h"
 #include "identification/identify.h"
@@ -24,17 +27,29 @@ struct Options {
   bool fill = false, no_robust = false;
 };
 
-std::string position_text(IndexedPosition at, char tilt, bool with_c) {
-  std::string text = std::string(1, tilt) + formatted(" %.6g", at.a.in_degrees());
-  if (with_c) text += formatted(" C %.6g", at.c.in_degrees());
-  return text;
+/// What was found, in one sentence.
+std::string verdict(const IdentificationResult& r, char tilt) {
+  if (r.errors.empty()) return "no error was determined";
+  const auto told = std::ranges::count(r.errors, true, &ErrorFinding::told_from_zero);
+  const ErrorFinding& worst = worst_error(r.errors);
+  return std::to_string(told) + " of " + std::to_string(r.errors.size()) +
+         " errors are told from zero, the largest is " + worst.symbol + ", " +
+         with_uncertainty(to_unit(worst.largest, worst.unit), to_unit(worst.largest_std, worst.unit)) + " " +
+         std::string(unit_text(worst.unit).text) + " at " +
+         position_text(worst.largest_at, tilt, worst.symbol.back() == 'C') +
+         (r.chi_square_p < 1e-3
+              ? ", and the readings scatter more than declared: something is missing, run trunnion close"
+              : ", and the readings scatter as declared");
 }
 
-std::string summary(const IdentificationResult& r, const Machine& machine) {
+enum class Verbose { no, yes };
+
+std::string summary(const IdentificationResult& r, const Machine& machine, Verbose verbose) {
   const char tilt = machine.tilt_letter();
-  std::string text = "Readings " + std::to_string(r.readings) + ", unknowns " + std::to_string(r.unknowns) + ", rank " +
-                     std::to_string(r.rank) + formatted(", degrees of freedom %.0f", r.freedom) +
-                     formatted(", condition %.1f", r.condition) + "\n";
+  std::string text = "Verdict: " + wrapped(verdict(r, tilt), 9) + ".\n\nReadings " + std::to_string(r.readings) +
+                     ", unknowns " + std::to_string(r.unknowns) + ", rank " + std::to_string(r.rank) +
+                     formatted(", degrees of freedom %.0f", r.freedom) + formatted(", condition %.1f", r.condition) +
+                     "\n";
   text += formatted("Sigma found %.3f um", r.sigma_found_um) + formatted(", declared %.3f um", r.sigma_declared_um) +
           formatted("; reduced chi-square %.3f", r.reduced_chi_square) + formatted(" (p %.2g)", r.chi_square_p) +
           (r.chi_square_p < 1e-3 ? ": more scatter than the probe has, see trunnion close" : ": as declared") + "\n";
@@ -46,14 +61,12 @@ std::string summary(const IdentificationResult& r, const Machine& machine) {
   text += formatted("Least redundancy of a reading %.3f", r.worst_redundancy) +
           ", readings that nothing checks: " + std::to_string(r.unchecked.size()) + "\n\n";
 
-  std::vector<std::vector<std::string>> rows = {{"error", "largest", "std", "unit", "at", "p", "told from zero"}};
-  for (const ErrorFinding& e : r.errors) {
-    const bool of_c = e.symbol.back() == 'C';
-    rows.push_back({e.symbol, formatted("%.3f", to_unit(e.largest, e.unit)),
-                    formatted("%.3f", to_unit(e.largest_std, e.unit)), std::string(unit_text(e.unit).text),
-                    position_text(e.largest_at, tilt, of_c), p_value_text(e.p_value), e.told_from_zero ? "yes" : "no"});
+  text += errors_table(r.errors, tilt);
+  if (const RotaryErrorMap* map = r.model.rotary_map(); map != nullptr && !r.errors.empty()) {
+    text += "\n" + worst_error_plot(*map, r.errors, tilt);
+    if (verbose == Verbose::yes) text += "\nAt every node\n" + nodes_table(*map, tilt);
   }
-  text += text_table(rows);
+  std::vector<std::vector<std::string>> rows;
   if (!r.location.symbols.empty()) {
     text += "\nLocation errors in these maps";
     text +=
@@ -162,7 +175,7 @@ int run(const Options& o, const Talk& talk) {
   result.model.fit = std::make_shared<nlohmann::json>(fit);
   warn(result, talk, machine.tilt_letter());
   write_whole(o.output, model_text(result.model), inputs);
-  talk.show(summary(result, machine));
+  talk.show(summary(result, machine, talk.verbose ? Verbose::yes : Verbose::no));
   if (talk.json) std::printf("%s\n", fit.dump(1).c_str());
   talk.say("wrote " + o.output);
   return 0;
