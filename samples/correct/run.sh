@@ -11,3 +11,6 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
   -o "$out/model.json" >"$out/identify.txt"
 "$trunnion" correct --machine ../calibrate/machine.toml --model "$out/model.json" --job job.toml \
   part.ngc -o "$out/corrected.ngc" --report "$out/report.json" >"$out/correct.txt"
+# A turbine blade as a CAM system posts it.
+"$trunnion" correct --machine ../calibrate/machine.toml --model "$out/model.json" --job job.toml \
+  ../programs/turbine_blade.ngc -o "$out/blade.ngc" >"$out/blade.txt"

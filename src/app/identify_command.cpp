@@ -110,14 +110,22 @@ void warn(const IdentificationResult& r, const Talk& talk, char tilt) {
   if (!r.unchecked.empty())
     talk.warn(std::to_string(r.unchecked.size()) + " readings cannot be checked by any other (first: " +
               set.place(r.problem.readings[r.unchecked.front()].row) + "); a second spot on those faces would do it");
-  for (const UnseenFreedom& f : r.unseen) {
+  constexpr std::size_t kShown = 3;  // poses; all of them with --verbose
+  std::size_t poses = 0;
+  for (std::size_t k = 0; k < r.unseen.size(); ++k) {
+    const bool first = k == 0 || r.unseen[k].pose != r.unseen[k - 1].pose;
+    poses += first ? 1 : 0;
+    if (poses > kShown && !talk.verbose) continue;
     std::string components;
-    for (const std::size_t c : f.components)
+    for (const std::size_t c : r.unseen[k].components)
       components +=
           std::string(components.empty() ? "" : ", ") + std::vector<const char*>{"Dx", "Dy", "Dz", "Da", "Db", "Dc"}[c];
-    talk.warn("pose " + position_text(r.problem.poses[f.pose].at, tilt, true) + ": no reading sees a freedom in " +
-              components + "; its errors are left unknown (--fill takes them from the smooth fit)");
+    talk.warn("pose " + position_text(r.problem.poses[r.unseen[k].pose].at, tilt, true) +
+              ": no reading sees a freedom in " + components +
+              "; its errors are left unknown (--fill takes them from the smooth fit)");
   }
+  if (poses > kShown && !talk.verbose)
+    talk.warn("freedoms of " + std::to_string(poses - kShown) + " more poses are not seen (--verbose names them)");
   for (const std::string& name : r.undetermined) talk.warn(name + ": not determined by these readings");
   if (r.belief && r.belief->p_value < 1e-3)
     talk.warn("the readings contradict the prior (p " + p_value_text(r.belief->p_value) + ")" +
