@@ -51,18 +51,26 @@ std::optional<ResultKind> kind_of(const nlohmann::json& content) {
   return std::nullopt;
 }
 
-NumberColumns read_columns(const fs::path& path, std::vector<std::string>& inputs) {
+NumberColumns read_columns(const fs::path& path, std::vector<std::string>& inputs, TextColumns* labels = nullptr) {
   NumberColumns columns;
   if (!fs::is_regular_file(path)) return columns;
   inputs.push_back(path.string());
   const std::string text = read_text(path.string());
   CsvReader reader(text, path.string());
   std::vector<std::vector<double>*> places;
+  std::vector<std::vector<std::string>> words(reader.header().size());
+  std::vector<bool> is_text(reader.header().size(), false);
   for (const std::string& name : reader.header()) places.push_back(&columns[name]);
   std::vector<std::string_view> fields;
   while (reader.next(fields))
-    for (std::size_t k = 0; k < places.size(); ++k)
-      places[k]->push_back(parse_number(fields[k]).value_or(std::nan("")));
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const auto number = parse_number(fields[k]);
+      places[k]->push_back(number.value_or(std::nan("")));
+      is_text[k] = is_text[k] || (!number && !fields[k].empty());
+      words[k].emplace_back(fields[k]);
+    }
+  for (std::size_t k = 0; labels != nullptr && k < words.size(); ++k)
+    if (is_text[k]) (*labels)[reader.header()[k]] = std::move(words[k]);
   return columns;
 }
 
@@ -98,10 +106,12 @@ std::optional<ResultFile> read_result(const fs::path& path, std::vector<std::str
                     .changed = {},
                     .content = std::move(content),
                     .columns = {},
+                    .labels = {},
                     .flank = {}};
   result.changed = day_text(std::chrono::time_point_cast<std::chrono::system_clock::duration>(
       std::chrono::file_clock::to_sys(fs::last_write_time(path))));
-  if (*kind == ResultKind::closure) result.columns = read_columns(path.parent_path() / "residuals.csv", inputs);
+  if (*kind == ResultKind::closure)
+    result.columns = read_columns(path.parent_path() / "residuals.csv", inputs, &result.labels);
   if (*kind == ResultKind::prediction) {
     result.columns = read_columns(path.parent_path() / "deviations.csv", inputs);
     result.flank = read_columns(path.parent_path() / "flank.csv", inputs);

@@ -14,6 +14,7 @@ namespace {
 constexpr double kWidth = 560, kHeight = 260, kLeft = 62, kRight = 12, kTop = 12, kBottom = 44;
 constexpr std::size_t kListed = 40;  ///< abscissae that a table of values still has
 constexpr std::size_t kDashes = 6;
+constexpr std::size_t kNamed = 12;  ///< names of kinds that have room below a chart
 
 struct Span {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
@@ -34,6 +35,7 @@ double tick_step(double width, int count) {
 
 Span abscissae(const Chart& chart) {
   Span span;
+  if (!chart.categories.empty()) return {-0.5, static_cast<double>(chart.categories.size()) - 0.5};
   for (const double x : chart.x) span.hold(x);
   if (!(span.high > span.low)) span = {span.low - 1, span.low + 1};
   return span;
@@ -86,10 +88,18 @@ class Drawing {
   std::string axes() const {
     std::string grid, labels;
     const double dx = tick_step(x_.high - x_.low, 7), dy = tick_step(y_.high - y_.low, 5);
-    for (double k = std::ceil(x_.low / dx); k * dx <= x_.high + 1e-9 * dx; ++k) {
-      grid += "M" + at(left(k * dx), kTop) + "V" + fixed_text(kHeight - kBottom, 1);
-      labels += "<text x=\"" + fixed_text(left(k * dx), 1) + "\" y=\"232\" text-anchor=\"middle\">" +
-                formatted("%g", k * dx + 0.0) + "</text>";
+    const auto tick = [&](double x, const std::string& name) {
+      grid += "M" + at(left(x), kTop) + "V" + fixed_text(kHeight - kBottom, 1);
+      labels +=
+          "<text x=\"" + fixed_text(left(x), 1) + "\" y=\"232\" text-anchor=\"middle\">" + escaped(name) + "</text>";
+    };
+    if (chart_.categories.empty()) {
+      for (double k = std::ceil(x_.low / dx); k * dx <= x_.high + 1e-9 * dx; ++k)
+        tick(k * dx, formatted("%g", k * dx + 0.0));
+    } else {
+      const std::size_t every = 1 + (chart_.categories.size() - 1) / kNamed;
+      for (std::size_t k = 0; k < chart_.categories.size(); k += every)
+        tick(static_cast<double>(k), chart_.categories[k]);
     }
     for (double k = std::ceil(y_.low / dy); k * dy <= y_.high + 1e-9 * dy; ++k) {
       grid += "M" + at(kLeft, top(k * dy)) + "H" + fixed_text(kWidth - kRight, 1);
@@ -153,6 +163,7 @@ nlohmann::json chart_json(const Chart& chart) {
                          {"y_unit", chart.y_unit},
                          {"x", numbers(chart.x)},
                          {"points", chart.marks == ChartMarks::points}};
+  if (!chart.categories.empty()) json["categories"] = chart.categories;
   for (const ChartSeries& s : chart.series) {
     nlohmann::json entry = {{"name", s.name}, {"values", numbers(s.values)}};
     if (!s.half_width.empty()) entry["half_width"] = numbers(s.half_width);

@@ -22,7 +22,8 @@ struct Chart {
   std::vector<double> x;         ///< ascending
   std::vector<ChartSeries> series;
   ChartMarks marks = ChartMarks::lines;
-  std::string note = {};  ///< below the picture: what a band is
+  std::vector<std::string> categories = {};  ///< names of x = 0, 1, … where x tells kinds and not numbers
+  std::string note = {};                     ///< below the picture: what a band is
 };
 
 /// The chart as a figure (HTML): an SVG, the numbers for the page's script, and where there are few a table of them.

@@ -13,6 +13,9 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::size_t kKinds = 6;  ///< values of a number that are told as kinds, side by side
+constexpr double kSpread = 0.32;   ///< to either side, over which the readings of one kind are spread in their order
+
 /// Columns of residuals.csv that are no covariates.
 const std::set<std::string> kNoCovariate = {"file",      "line",    "residual_before_um", "residual_after_um",
                                             "kept_back", "left_out"};
@@ -26,6 +29,8 @@ std::string label_of(const std::string& column) {
   static const std::map<std::string, std::string> kNames = {{"order", "order of the readings, count"},
                                                             {"order_in_pose", "order within the pose, count"},
                                                             {"repeat", "pass, count"},
+                                                            {"point", "spot"},
+                                                            {"artifact", "artifact"},
                                                             {"A_dir", "sense of A's last motion, ±1"},
                                                             {"B_dir", "sense of B's last motion, ±1"},
                                                             {"C_dir", "sense of C's last motion, ±1"},
@@ -36,40 +41,88 @@ std::string label_of(const std::string& column) {
   return found == kNames.end() ? column + ", as recorded" : found->second;
 }
 
-/// The residuals over one covariate; no series where it does not vary or is not known.
-Chart residual_chart(const NumberColumns& columns, const std::string& column) {
-  const std::vector<double>& covariate = columns.at(column);
+/// The residuals over one covariate, in the order in which `x` ascends; no series where it does not vary.
+Chart residual_chart(const NumberColumns& columns, const std::string& column, const std::vector<double>& x,
+                     std::vector<std::string> categories) {
   const auto left_out = columns.find("left_out");
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < covariate.size(); ++i)
-    if (std::isfinite(covariate[i]) && (left_out == columns.end() || left_out->second[i] == 0)) order.push_back(i);
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return covariate[i]; });
-  const std::string label = label_of(column);
-  Chart chart{.title = "Residual over " + label.substr(0, label.find(',')),
-              .x_label = label,
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (std::isfinite(x[i]) && (left_out == columns.end() || left_out->second[i] == 0)) order.push_back(i);
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return x[i]; });
+  const std::string label = label_of(column), name = label.substr(0, label.find(','));
+  Chart chart{.title = "Residual over " + name,
+              .x_label = categories.empty() ? label : name,
               .y_label = "residual, µm",
-              .x_name = label.substr(0, label.find(',')),
+              .x_name = name,
               .y_unit = "µm",
               .x = {},
               .series = {},
-              .marks = ChartMarks::points};
-  if (order.empty() || covariate[order.front()] == covariate[order.back()]) return chart;
-  for (const auto& [name, title] :
+              .marks = ChartMarks::points,
+              .categories = std::move(categories)};
+  if (order.empty() || x[order.front()] == x[order.back()] || chart.categories.size() == 1) return chart;
+  for (const auto& [key, title] :
        {std::pair("residual_before_um", "before"), std::pair("residual_after_um", "after")}) {
-    const auto values = columns.find(name);
+    const auto values = columns.find(key);
     if (values == columns.end()) continue;
     ChartSeries& series = chart.series.emplace_back(ChartSeries{title, {}});
     for (const std::size_t i : order) series.values.push_back(values->second[i]);
   }
-  for (const std::size_t i : order) chart.x.push_back(covariate[i]);
+  for (const std::size_t i : order) chart.x.push_back(x[i]);
   return chart;
 }
 
-std::string residual_charts(const NumberColumns& columns) {
+/// Kinds side by side in the order of `names`, the readings of each spread in the order in which they were taken.
+std::vector<double> spread(const std::vector<std::string>& kinds, const std::vector<std::string>& names) {
+  std::vector<std::size_t> of(kinds.size()), count(names.size(), 0), seen(names.size(), 0);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    of[i] = static_cast<std::size_t>(std::ranges::find(names, kinds[i]) - names.begin());
+    if (of[i] < names.size()) ++count[of[i]];
+  }
+  std::vector<double> x;
+  for (const std::size_t k : of) {
+    if (k == names.size()) {
+      x.push_back(std::nan(""));
+      continue;
+    }
+    const double share = count[k] > 1 ? static_cast<double>(seen[k]) / static_cast<double>(count[k] - 1) : 0.5;
+    x.push_back(static_cast<double>(k) + kSpread * (2 * share - 1));
+    ++seen[k];
+  }
+  return x;
+}
+
+/// A covariate that is told by words, or that has few values.
+Chart kinds_chart(const NumberColumns& columns, const TextColumns& labels, const std::string& column) {
+  std::vector<std::string> kinds, names;
+  if (const auto text = labels.find(column); text != labels.end()) {
+    kinds = text->second;
+    names = kinds;
+    std::ranges::sort(names);
+  } else {
+    std::vector<double> values = columns.at(column);
+    for (const double value : values) kinds.push_back(std::isfinite(value) ? quantity(value, std::nullopt, "") : "");
+    std::ranges::sort(values);
+    for (const double value : values)
+      if (std::isfinite(value)) names.push_back(quantity(value, std::nullopt, ""));
+  }
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  std::erase(names, "");
+  const std::vector<double> x = spread(kinds, names);
+  return residual_chart(columns, column, x, std::move(names));
+}
+
+std::string residual_charts(const NumberColumns& columns, const TextColumns& labels) {
   std::string figures;
-  for (const auto& [column, values] : columns)
-    if (!kNoCovariate.contains(column))
-      if (const Chart chart = residual_chart(columns, column); chart.series.size() == 2) figures += chart_figure(chart);
+  for (const auto& [column, values] : columns) {
+    if (kNoCovariate.contains(column)) continue;
+    std::set<double> different;
+    for (const double value : values)
+      if (std::isfinite(value) && different.size() <= kKinds) different.insert(value);
+    const Chart chart = labels.contains(column) || different.size() <= kKinds
+                            ? kinds_chart(columns, labels, column)
+                            : residual_chart(columns, column, values, {});
+    if (chart.series.size() == 2) figures += chart_figure(chart);
+  }
   if (figures.empty()) return "";
   return element("h3", "The residual against every covariate, before and after") +
          element("div", figures, "class=\"charts\"");
@@ -203,7 +256,7 @@ Section closure_section(const Evidence& evidence) {
     const std::string verdict = escaped(text_at(closure, "verdict", "no verdict"));
     section.html += element("p", "<strong>Verdict: " + verdict + ".</strong> " + escaped(r.path), "class=\"verdict\"") +
                     stages_table(closure) + effects_html(closure) + corners_table(closure) + open_questions(closure) +
-                    residual_charts(r.columns);
+                    residual_charts(r.columns, r.labels);
     std::string names;
     if (closure.contains("effects"))
       for (const json& e : closure["effects"]) names += (names.empty() ? "" : ", ") + escaped(text_at(e, "id"));

@@ -65,6 +65,26 @@ TEST(EvidencePage, ShowsWhatTheResultsHoldAndNothingOfTheNetwork) {
     EXPECT_THAT(seen, Not(HasSubstr(outside))) << outside;
 }
 
+TEST(EvidencePage, ShowsTheResidualOfEachSpotAndOfEachSenseOfMotionSideBySide) {
+  ResultFile closure = result(ResultKind::closure, "closed/closure.json",
+                              R"({"format": "trunnion-closure", "machine": {"name": "Mill <1>", "serial": "7"},
+      "verdict": "nothing missing", "noise_um": 0.175})");
+  closure.columns = {{"point", {std::nan(""), std::nan(""), std::nan(""), std::nan("")}},
+                     {"C_dir", {1, -1, 1, -1}},
+                     {"repeat", {0, 0, 0, 0}},
+                     {"residual_before_um", {1, 2, 3, 4}},
+                     {"residual_after_um", {.1, .2, .3, .4}}};
+  closure.labels = {{"point", {"1T1", "1S<1>", "1T1", "1S<1>"}}};
+  const std::string page = page_of({model_file("7"), closure}), seen = markup(page);
+  EXPECT_THAT(seen, HasSubstr("Residual over spot"));
+  EXPECT_THAT(seen, HasSubstr(">1S&lt;1&gt;</text>"));
+  EXPECT_THAT(seen, HasSubstr("Residual over sense of C"));
+  EXPECT_THAT(seen, Not(HasSubstr("Residual over pass")));  // one kind tells nothing
+  // By kinds in the order of the alphabet, those of a kind in the order taken: 2 and 4 before 1 and 3.
+  EXPECT_THAT(page, HasSubstr("\"values\":[2.0,4.0,1.0,3.0]"));
+  EXPECT_THAT(page, HasSubstr("\"x\":[-0.32,0.32,0.68,1.32]"));
+}
+
 TEST(EvidencePage, IsOfOneMachine) {
   EXPECT_THAT(([] {
                 page_of({model_file("7"), model_file("8")});

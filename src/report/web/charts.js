@@ -9,10 +9,21 @@ const colour = (name) => getComputedStyle(document.documentElement).getPropertyV
 
 const digits = (value) => (value == null ? "–" : Number(value.toPrecision(4)).toString().replace("-", "−"));
 
+/// What an abscissa says: a number, or the kind that stands nearest.
+const abscissa = (chart, value) =>
+  value == null || !chart.categories ? digits(value) : chart.categories[Math.round(value)] ?? "–";
+
+/// Names of kinds in place of numbers, as many as there is room for.
+const kinds = (chart) => {
+  const every = Math.ceil(chart.categories.length / 12);
+  const places = chart.categories.map((_, k) => k).filter((k) => k % every === 0);
+  return { splits: () => places, values: (plot, at) => at.map((k) => chart.categories[k] ?? "") };
+};
+
 /// uPlot's data and series of a chart; a band is two more series that have no line of their own.
 function seriesOf(chart) {
   const data = [chart.x];
-  const series = [{ label: chart.x_name, value: (plot, value) => digits(value) }];
+  const series = [{ label: chart.x_name, value: (plot, value) => abscissa(chart, value) }];
   const bands = [];
   chart.series.forEach((told, k) => {
     const ink = () => colour(`--s${k % 6}`);
@@ -40,6 +51,13 @@ function seriesOf(chart) {
   return { data, series, bands };
 }
 
+/// Points get room at both ends, so that none is cut in half; kinds have their own.
+function edges(chart, low, high) {
+  if (chart.categories && low <= 0 && high >= chart.categories.length - 1.5) return [-0.5, chart.categories.length - 0.5];
+  const room = chart.points ? 0.02 * (high - low) : 0;
+  return [low - room, high + room];
+}
+
 function live(figure) {
   const chart = JSON.parse(figure.querySelector("script").textContent);
   const still = figure.querySelector(".still");
@@ -63,15 +81,15 @@ function live(figure) {
   const plot = new uPlot({
     width: Math.max(240, place.clientWidth),
     height: HEIGHT,
-    scales: { x: { time: false }, y: { range: (u, low, high) => uPlot.rangeNum(Math.min(low, 0), Math.max(high, 0), 0.08, true) } },
-    axes: [axis(chart.x_label, 44), axis(chart.y_label, 56)],
+    scales: { x: { time: false, range: (u, low, high) => edges(chart, low, high) }, y: { range: (u, low, high) => uPlot.rangeNum(Math.min(low, 0), Math.max(high, 0), 0.08, true) } },
+    axes: [{ ...axis(chart.x_label, 44), ...(chart.categories ? kinds(chart) : {}) }, axis(chart.y_label, 56)],
     series, bands,
     cursor: { drag: { x: true, y: false } },
   }, data, place);
   place.querySelectorAll(".band-row").forEach((row) => (row.hidden = true));
 
   const tell = (i) => {
-    reading.textContent = `${chart.x_name} ${digits(chart.x[i])}: ` + chart.series
+    reading.textContent = `${chart.x_name} ${abscissa(chart, chart.x[i])}: ` + chart.series
       .map((told, k) => `${told.name} ${series[k + 1].value(plot, told.values[i], k + 1, i)}`).join("; ");
   };
   let at = -1;
