@@ -29,8 +29,7 @@ std::string label_of(const std::string& column) {
   static const std::map<std::string, std::string> kNames = {{"order", "order of the readings, count"},
                                                             {"order_in_pose", "order within the pose, count"},
                                                             {"repeat", "pass, count"},
-                                                            {"point", "spot"},
-                                                            {"artifact", "artifact"},
+                                                            {"point", "spot, as recorded"},
                                                             {"A_dir", "sense of A's last motion, ±1"},
                                                             {"B_dir", "sense of B's last motion, ±1"},
                                                             {"C_dir", "sense of C's last motion, ±1"},
@@ -51,7 +50,7 @@ Chart residual_chart(const NumberColumns& columns, const std::string& column, co
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return x[i]; });
   const std::string label = label_of(column), name = label.substr(0, label.find(','));
   Chart chart{.title = "Residual over " + name,
-              .x_label = categories.empty() ? label : name,
+              .x_label = label,
               .y_label = "residual, µm",
               .x_name = name,
               .y_unit = "µm",

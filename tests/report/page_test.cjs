@@ -10,6 +10,7 @@ const path = require("path");
 
 const CHROMIUM = process.env.TRUNNION_CHROMIUM || "/usr/bin/chromium";
 const SOFTWARE_GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const SLOW_MS = 120000;  // a page of many charts drawn by software, on a machine that builds beside it
 const SECTIONS = ["summary", "identification", "interpolation", "closure", "compensation", "program", "piece", "data"];
 const MOST_BYTES = 3e6;
 
@@ -37,6 +38,7 @@ fs.mkdirSync(pictures, { recursive: true });
 async function opened(browser, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(SLOW_MS);
   page.on("console", (message) => check(message.type() !== "error", `console: ${message.text()}`));
   page.on("pageerror", (error) => findings.push(`script: ${error.message}`));
   page.on("request", (request) =>
