@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/command.h"
 
@@ -212,9 +213,11 @@ Command completion_command(CLI::App& program, const Talk& talk) {
   return {app, [shell, &program, &talk] {
             std::vector<ShellCommand> commands;
             walk(program, "trunnion", commands);
-            talk.show(*shell == "bash"  ? bash_script(commands)
-                      : *shell == "zsh" ? zsh_script(commands)
-                                        : fish_script(commands));
+            const std::string script = *shell == "bash"  ? bash_script(commands)
+                                       : *shell == "zsh" ? zsh_script(commands)
+                                                         : fish_script(commands);
+            talk.show(script);
+            if (talk.json) std::printf("%s\n", nlohmann::json({{"shell", *shell}, {"script", script}}).dump(1).c_str());
             return 0;
           }};
 }

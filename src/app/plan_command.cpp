@@ -169,6 +169,11 @@ int import_log(const ImportOptions& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
   const ObservationSet set = parse_probe_log(read_text(o.log), o.log, machine);
   write_whole(o.output, observations_text(set, machine.tilt_letter()), {o.machine, o.log});
+  if (talk.json)
+    std::printf("%s\n",
+                nlohmann::json({{"touches", set.rows.size()}, {"spots", set.points.size()}, {"output", o.output}})
+                    .dump(1)
+                    .c_str());
   talk.say("wrote " + o.output + ": " + std::to_string(set.rows.size()) + " touches of " +
            std::to_string(set.points.size()) + " spots");
   return 0;
