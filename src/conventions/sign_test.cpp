@@ -145,7 +145,7 @@ Checks sign_verdict(const Machine& machine, const std::vector<FilledStep>& fille
     const double off = (filled[k].xyz_mm - right).norm(), off_reversed = (filled[k].xyz_mm - reversed).norm();
     const std::string axis(1, steps[k].moved);
     Check check{.id = "sign_test." + axis, .outcome = Outcome::passed, .found = {}, .advice = {}};
-    check.found = axis + formatted(": the mark went %.1f mm", way) + ", to within " +
+    check.found = "the mark went " + formatted("%.1f mm", way) + ", to within " +
                   formatted("%.1f mm of where the file says", off) + ", " + formatted("%.1f", off_reversed) +
                   " mm of where the other sense would bring it";
     if ((right - reversed).norm() < 4 * limit) {
