@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "model/effects/location_errors.h"
 #include "model/joint_motion.h"
@@ -176,10 +177,14 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
   using Lever = Eigen::Matrix<double, 9, 1>;  // columns of the lever matrix one below the other
   using Seen = Eigen::Matrix<double, 11, 1>;  // those times the volume's half-widths, and the tilt
   constexpr double kPreferRotary = 1e-6;      // what A or C can do as well is theirs
-  const auto rows = static_cast<Eigen::Index>(tilt_at_deg.size());
-  const auto columns = static_cast<Eigen::Index>(turn_at_deg.size());
+  const double kSteady_mm = kEngaged_mm * std::sin(5 * std::numbers::pi / 180);  // below 5 deg C hardly tilts: no peaks
+  constexpr int kMostRounds = 60;
+  constexpr double kSettled = 1e-11;  // mm per mm
+  const std::size_t rows = tilt_at_deg.size(), columns = turn_at_deg.size();
   const Eigen::Vector3d spread = task.volume.variance_mm2().cwiseSqrt();
   const Eigen::Vector3d centre = task.volume.centre_mm();
+  Lever widths;
+  for (Eigen::Index k = 0; k < 3; ++k) widths.segment<3>(3 * k).setConstant(spread[k]);
   // How a rotation acts about the volume's centre: the displacement it spreads along each axis, and the tilt.
   const auto seen = [&](const Eigen::Vector3d& rotation) {
     Seen y;
@@ -187,58 +192,95 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
     y.tail<2>() = kEngaged_mm * rotation.head<2>();
     return y;
   };
-  Eigen::Matrix<double, 11, 9> lever_seen = Eigen::Matrix<double, 11, 9>::Zero();
-  for (Eigen::Index k = 0; k < 3; ++k) lever_seen.block<3, 3>(3 * k, 3 * k) = spread[k] * Eigen::Matrix3d::Identity();
-
-  PairFit fit;
-  fit.tilt_rad.resize(rows, columns);
-  fit.turn_rad.resize(rows, columns);
-  for (Eigen::MatrixXd& shift : fit.shift_mm) shift.resize(rows, columns);
-  fit.left.resize(11, rows * columns);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    std::vector<Vector6d> errors, about_a, about_c;
-    std::vector<Seen> asked;
-    std::vector<Eigen::Matrix<double, 11, 2>> turning;
-    std::vector<Eigen::Matrix<double, 2, 11>> solve;
-    Eigen::Matrix<double, 9, 9> normal = kPreferRotary * Eigen::Matrix<double, 9, 9>::Identity();
-    Lever right = Lever::Zero();
-    for (Eigen::Index j = 0; j < columns; ++j) {
-      const IndexedPosition at{Angle::degrees(tilt_at_deg[static_cast<std::size_t>(i)]),
-                               Angle::degrees(turn_at_deg[static_cast<std::size_t>(j)])};
+  struct Place {
+    Vector6d error, about_a, about_c;
+    Seen asked;
+    Eigen::Matrix<double, 11, 2> turning;
+    Eigen::Matrix<double, 2, 11> solve;
+    Seen left_by_rotary(const Seen& y) const { return y - turning * (solve * y); }
+  };
+  std::vector<Place> places(rows * columns);
+  std::vector<Eigen::Matrix<double, 9, 9>> of_row(rows), of_column(columns);
+  const Eigen::Matrix<double, 9, 9> held = kPreferRotary * Eigen::Matrix<double, 9, 9>::Identity();
+  std::ranges::fill(of_row, held);
+  std::ranges::fill(of_column, held);
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < columns; ++j) {
+      const IndexedPosition at{Angle::degrees(tilt_at_deg[i]), Angle::degrees(turn_at_deg[j])};
       const Situation s = in_the_middle(task, at);
-      errors.push_back(rotary_part(task, at).vector());
-      asked.push_back(seen(errors.back().tail<3>()));
+      Place& place = places[i * columns + j];
+      place.error = rotary_part(task, at).vector();
+      place.asked = seen(place.error.tail<3>());
       if (followed != nullptr) {
         const Vector6d carried = followed->at(s).vector();
-        asked.back().head<9>() -= seen(carried.tail<3>()).head<9>();
-        errors.back() -= carried;
+        place.asked.head<9>() -= seen(carried.tail<3>()).head<9>();
+        place.error -= carried;
       }
-      about_a.push_back(joint_rotation(task.chain, task.chain.tilt_index(), s));
-      about_c.push_back(joint_rotation(task.chain, task.chain.turn_index(), s));
-      Eigen::Matrix<double, 11, 2> b;
-      b << seen(about_a.back().tail<3>()), seen(about_c.back().tail<3>());
-      const Eigen::Matrix2d inner = b.transpose() * b + 1e-9 * Eigen::Matrix2d::Identity();
-      turning.push_back(b);
-      solve.push_back(inner.ldlt().solve(b.transpose()));
+      place.about_a = joint_rotation(task.chain, task.chain.tilt_index(), s);
+      place.about_c = joint_rotation(task.chain, task.chain.turn_index(), s);
+      place.turning << seen(place.about_a.tail<3>()), seen(place.about_c.tail<3>());
+      Eigen::Matrix2d inner = place.turning.transpose() * place.turning + 1e-9 * Eigen::Matrix2d::Identity();
+      inner(1, 1) += kSteady_mm * kSteady_mm;
+      place.solve = inner.ldlt().solve(place.turning.transpose());
       // Rotary axes eliminated: what they cannot take is left to the levers.
-      const Eigen::Matrix<double, 11, 11> left = Eigen::Matrix<double, 11, 11>::Identity() - b * solve.back();
-      normal += lever_seen.transpose() * left * lever_seen;
-      right += lever_seen.transpose() * left * asked.back();
+      Eigen::Matrix<double, 9, 9> normal =
+          widths.asDiagonal() * (-place.turning.topRows<9>() * place.solve.leftCols<9>()) * widths.asDiagonal();
+      normal.diagonal() += widths.cwiseAbs2();
+      of_row[i] += normal;
+      of_column[j] += normal;
     }
-    const Lever lever = normal.ldlt().solve(right);
-    fit.lever.push_back(Eigen::Map<const Eigen::Matrix3d>(lever.data()));
-    for (Eigen::Index j = 0; j < columns; ++j) {
-      const auto n = static_cast<std::size_t>(j);
-      const Seen unlevered = asked[n] - lever_seen * lever;
-      const Eigen::Vector2d turned = -(solve[n] * unlevered);
-      fit.left.col(i * columns + j) = unlevered + turning[n] * turned;
-      fit.tilt_rad(i, j) = turned[0];
-      fit.turn_rad(i, j) = turned[1];
-      const Vector6d rest = errors[n] + turned[0] * about_a[n] + turned[1] * about_c[n];
-      const Eigen::Vector3d shift = rest.head<3>() + rest.tail<3>().cross(centre) - fit.lever.back() * centre;
-      for (std::size_t k = 0; k < 3; ++k) fit.shift_mm[k](i, j) = shift[static_cast<Eigen::Index>(k)];
+  std::vector<Eigen::LDLT<Eigen::Matrix<double, 9, 9>>> row_solvers(of_row.begin(), of_row.end()),
+      column_solvers(of_column.begin(), of_column.end());
+  // Levers of A given those of C and the other way round; where C is carried by A the second round finds nothing new.
+  std::vector<Lever> of_tilt(rows, Lever::Zero()), of_turn(columns, Lever::Zero());
+  const auto wanted = [&](std::size_t i, std::size_t j, const Lever& other) {
+    Seen rest = places[i * columns + j].asked;
+    rest.head<9>() -= widths.cwiseProduct(other);
+    return Lever(widths.cwiseProduct(places[i * columns + j].left_by_rotary(rest).head<9>()));
+  };
+  for (int round = 0; round < kMostRounds; ++round) {
+    double change = 0;
+    for (std::size_t i = 0; i < rows; ++i) {
+      Lever right = Lever::Zero();
+      for (std::size_t j = 0; j < columns; ++j) right += wanted(i, j, of_turn[j]);
+      const Lever now = row_solvers[i].solve(right);
+      change = std::max(change, (now - of_tilt[i]).cwiseAbs().maxCoeff());
+      of_tilt[i] = now;
     }
+    Lever mean = Lever::Zero();
+    for (std::size_t j = 0; j < columns; ++j) {
+      Lever right = Lever::Zero();
+      for (std::size_t i = 0; i < rows; ++i) right += wanted(i, j, of_tilt[i]);
+      of_turn[j] = column_solvers[j].solve(right);
+      mean += of_turn[j] / static_cast<double>(columns);
+    }
+    for (Lever& lever : of_turn) lever -= mean;
+    for (Lever& lever : of_tilt) lever += mean;
+    if (change < kSettled) break;
   }
+
+  PairFit fit;
+  const auto n = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
+  fit.tilt_rad.resize(n(rows), n(columns));
+  fit.turn_rad.resize(n(rows), n(columns));
+  for (Eigen::MatrixXd& shift : fit.shift_mm) shift.resize(n(rows), n(columns));
+  fit.left.resize(11, n(rows * columns));
+  for (const Lever& lever : of_tilt) fit.tilt_lever.emplace_back(Eigen::Map<const Eigen::Matrix3d>(lever.data()));
+  for (const Lever& lever : of_turn) fit.turn_lever.emplace_back(Eigen::Map<const Eigen::Matrix3d>(lever.data()));
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < columns; ++j) {
+      const Place& place = places[i * columns + j];
+      Seen unlevered = place.asked;
+      unlevered.head<9>() -= widths.cwiseProduct(of_tilt[i] + of_turn[j]);
+      const Eigen::Vector2d turned = -(place.solve * unlevered);
+      fit.left.col(n(i * columns + j)) = unlevered + place.turning * turned;
+      fit.tilt_rad(n(i), n(j)) = turned[0];
+      fit.turn_rad(n(i), n(j)) = turned[1];
+      const Vector6d rest = place.error + turned[0] * place.about_a + turned[1] * place.about_c;
+      const Eigen::Vector3d shift =
+          rest.head<3>() + rest.tail<3>().cross(centre) - (fit.tilt_lever[i] + fit.turn_lever[j]) * centre;
+      for (std::size_t k = 0; k < 3; ++k) fit.shift_mm[k](n(i), n(j)) = shift[n(k)];
+    }
   return fit;
 }
 

@@ -46,11 +46,13 @@ OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>&
                         const std::vector<double>& turn_at_deg, const EffectPtr& constants = nullptr);
 
 /// What five axes add where each may do anything over (A, C), and the linear ones besides move in proportion to their
-/// own places: the best of a format with tables over pairs of axes. Rows run over A, columns over C.
+/// own places by functions of A and of C: the best of a format with tables over pairs of axes. Rows run over A, columns
+/// over C.
 struct PairFit {
   Eigen::MatrixXd tilt_rad, turn_rad;
   std::array<Eigen::MatrixXd, 3> shift_mm;  ///< of X, Y, Z at R's origin
-  std::vector<Eigen::Matrix3d> lever;       ///< mm per mm, one per A: column k goes with coordinate k
+  /// mm per mm, one per A and one per C (these of mean zero), to be added: column k goes with coordinate k.
+  std::vector<Eigen::Matrix3d> tilt_lever, turn_lever;
   /// What is left of the turning, A outer: mm that it spreads along each axis (3 x 3), and the tilt seen at 20 mm.
   Eigen::Matrix<double, 11, Eigen::Dynamic> left;
 };

@@ -17,7 +17,8 @@ namespace trunnion {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kDecimals = 4;  // of thousandths: 0.1 nm, 1e-7 deg
+constexpr int kDecimals = 4;               // of thousandths: 0.1 nm, 1e-7 deg
+constexpr double kWorthwhile_mm2 = 1e-12;  // a nanometre
 constexpr const char* kFile = "trunnion.cal";
 
 /// One table to be written: values along rows and columns for up to three output axes, mm or degrees.
@@ -26,6 +27,7 @@ struct CalTable {
   std::string outputs;
   std::vector<double> rows, columns;
   std::vector<Eigen::MatrixXd> values;  ///< one per output
+  double gain = 0;                      ///< mean square of what it moves, mm^2
 };
 
 std::string cal_text(const CompensationTask& task, const CalTable& table, Emission emission) {
@@ -65,7 +67,9 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     throw RefusalError("aerotech: structure \"" + task.machine.structure.code +
                        "\": rotary axes that carry the work are wanted");
   const char a = task.machine.tilt_letter();
-  const double step = spacing.in_degrees() / emission.refine;
+  // Refined nodes tell what the spacing costs; below a degree nothing of a machine is left to tell.
+  const double step =
+      emission.refine == 1 ? spacing.in_degrees() : std::max(1.0, spacing.in_degrees() / emission.refine);
   const PiecewiseLinear tilt(even_nodes(task.volume.a.low.in_degrees(), task.volume.a.high.in_degrees(), step),
                              Boundary::hold);
   const PiecewiseLinear turn(even_nodes(0, 360, step), Boundary::repeat);
@@ -92,35 +96,47 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   // Lever arms: in proportion to X, Y, Z two rows say it exactly; what a linear axis does by itself asks for more.
   const std::vector<LinearPart> own = linear_parts(task, 10.0 / emission.refine);
   const Range<Length> strokes[3] = {task.volume.x, task.volume.y, task.volume.z};
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const char axis = static_cast<char>('X' + k);
-    const auto part = std::ranges::find(own, axis, &LinearPart::axis);
-    CalTable table{axis,         a, "XYZ", {strokes[k].low.in_millimetres(), strokes[k].high.in_millimetres()},
-                   tilt.nodes(), {}};
-    if (part != own.end()) table.rows = part->stations_mm;
-    for (Eigen::Index output = 0; output < 3; ++output) {
-      Eigen::VectorXd along(static_cast<Eigen::Index>(tilt_at.size()));
-      for (Eigen::Index i = 0; i < along.size(); ++i) along[i] = fit.lever[static_cast<std::size_t>(i)](output, k);
-      const Eigen::VectorXd lever = over_tilt * along;
-      Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), lever.size());
-      for (Eigen::Index i = 0; i < values.rows(); ++i) {
-        const auto n = static_cast<std::size_t>(i);
-        values.row(i) = table.rows[n] * lever.transpose();
-        if (part != own.end()) values.row(i).array() += part->table[n][output] + part->tip[n][output];
+  std::vector<CalTable> levers;
+  for (Eigen::Index k = 0; k < 3; ++k)
+    for (const bool of_tilt : {true, false}) {
+      const char axis = static_cast<char>('X' + k);
+      const auto part = of_tilt ? std::ranges::find(own, axis, &LinearPart::axis) : own.end();
+      CalTable table{axis,
+                     of_tilt ? a : 'C',
+                     "XYZ",
+                     {strokes[k].low.in_millimetres(), strokes[k].high.in_millimetres()},
+                     of_tilt ? tilt.nodes() : turn.nodes(),
+                     {}};
+      if (part != own.end()) table.rows = part->stations_mm;
+      const std::vector<Eigen::Matrix3d>& of_axis = of_tilt ? fit.tilt_lever : fit.turn_lever;
+      for (Eigen::Index output = 0; output < 3; ++output) {
+        Eigen::VectorXd along(static_cast<Eigen::Index>(of_axis.size()));
+        for (Eigen::Index i = 0; i < along.size(); ++i) along[i] = of_axis[static_cast<std::size_t>(i)](output, k);
+        const Eigen::VectorXd lever = (of_tilt ? over_tilt : over_turn) * along;
+        Eigen::MatrixXd values(static_cast<Eigen::Index>(table.rows.size()), lever.size());
+        for (Eigen::Index i = 0; i < values.rows(); ++i) {
+          const auto n = static_cast<std::size_t>(i);
+          values.row(i) = table.rows[n] * lever.transpose();
+          if (part != own.end()) values.row(i).array() += part->table[n][output] + part->tip[n][output];
+        }
+        table.gain += values.squaredNorm() / static_cast<double>(values.size());
+        table.values.push_back(values);
       }
-      table.values.push_back(values);
+      if (axis == 'Z')  // the axis stands above its tip by the tool
+        for (double& row : table.rows) row += task.volume.tool_length.in_millimetres();
+      if (table.gain > kWorthwhile_mm2) levers.push_back(std::move(table));
     }
-    if (axis == 'Z')  // the axis stands above its tip by the tool
-      for (double& row : table.rows) row += task.volume.tool_length.in_millimetres();
-    tables.push_back(std::move(table));
-  }
-
-  std::string text = "' " + provenance(task) + "\n";
-  if (!task.profile.load_ready()) text += "' DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
   const double most = task.profile.number("cal_tables");
   if (emission.for_the_control() && static_cast<double>(tables.size()) > most)
     throw RangeError("aerotech: " + std::to_string(tables.size()) + " tables, profile.cal_tables allows " +
                      shortest_text(most));
+  // Tables are spent where they bring most.
+  std::ranges::stable_sort(levers, std::greater<>(), &CalTable::gain);
+  for (CalTable& table : levers)
+    if (static_cast<double>(tables.size()) < most) tables.push_back(std::move(table));
+
+  std::string text = "' " + provenance(task) + "\n";
+  if (!task.profile.load_ready()) text += "' DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
   for (const CalTable& table : tables) {
     text += std::string("' rows over ") + table.row_axis + ", columns over " + table.column_axis + ", outputs " +
             table.outputs + "\n";
@@ -353,9 +369,9 @@ Controller aerotech() {
   return {.name = "aerotech",
           .title = "Aerotech A3200 and Automation1, 2-D calibration files",
           .cannot_hold =
-              "lever arms that change with C (tilts of the C axis seen far from its line) as far as A and C cannot "
-              "take them, and what depends "
-              "on the sense of motion.",
+              "lever arms that change with A and C at once (only a function of A and one of C are added up) as far as "
+              "A and C "
+              "cannot take them, and what depends on the sense of motion.",
           .questions = {{{"cal_sign",
                           "Is a table's value added to the command, or taken from it?",
                           {"add", "subtract"},
@@ -368,6 +384,7 @@ Controller aerotech() {
                         numbers},
           .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
                        Angle::degrees(5), Angle::degrees(3)},
+          .spacing_loss = Length::micrometres(0.01),
           .emit = emit,
           .play = play,
           .loading = loading,

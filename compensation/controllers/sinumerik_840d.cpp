@@ -91,13 +91,15 @@ std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& 
     const double from = strokes[k].low.in_millimetres(), to = strokes[k].high.in_millimetres(),
                  shift = k == 2 ? tool : 0;
     const Curve ramp{static_cast<char>('X' + k), {from + shift, to + shift}, {from, to}, Boundary::hold};
-    for (Eigen::Index output = 0; output < 3; ++output) {
-      Eigen::VectorXd lever(static_cast<Eigen::Index>(tilt_at.size()));
-      for (Eigen::Index i = 0; i < lever.size(); ++i) lever[i] = fit.lever[static_cast<std::size_t>(i)](output, k);
-      const double square = lever.squaredNorm() / static_cast<double>(lever.size());
-      const Eigen::Vector3d centre = task.volume.centre_mm();
-      terms.push_back({static_cast<char>('X' + output), curve(true, lever), ramp, 0,
-                       square * (spread[k] + centre[k] * centre[k]), true});
+    const double mean_square = spread[k] + task.volume.centre_mm()[k] * task.volume.centre_mm()[k];
+    for (const bool of_tilt : {true, false}) {
+      const std::vector<Eigen::Matrix3d>& levers = of_tilt ? fit.tilt_lever : fit.turn_lever;
+      for (Eigen::Index output = 0; output < 3; ++output) {
+        Eigen::VectorXd lever(static_cast<Eigen::Index>(levers.size()));
+        for (Eigen::Index i = 0; i < lever.size(); ++i) lever[i] = levers[static_cast<std::size_t>(i)](output, k);
+        const double square = lever.squaredNorm() / static_cast<double>(lever.size());
+        terms.push_back({static_cast<char>('X' + output), curve(of_tilt, lever), ramp, 0, square * mean_square, true});
+      }
     }
   }
   for (const LinearPart& part : linear_parts(task, 10.0 / emission.refine))
@@ -134,7 +136,9 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   if (task.chain.has_rotary(Side::tool))
     throw RefusalError("sinumerik-840d: structure \"" + task.machine.structure.code +
                        "\": rotary axes that carry the work are wanted");
-  const double step = spacing.in_degrees() / emission.refine;
+  // Refined nodes tell what the spacing costs; below a degree nothing of a machine is left to tell.
+  const double step =
+      emission.refine == 1 ? spacing.in_degrees() : std::max(1.0, spacing.in_degrees() / emission.refine);
   const PiecewiseLinear tilt(even_nodes(task.volume.a.low.in_degrees(), task.volume.a.high.in_degrees(), step),
                              Boundary::hold);
   const PiecewiseLinear turn(even_nodes(0, 360, step), Boundary::repeat);
@@ -235,12 +239,14 @@ Controller sinumerik_840d() {
   return {.name = "sinumerik-840d",
           .title = "SINUMERIK 840D sl, ONE: EEC, CEC and the vectors of the transformation",
           .cannot_hold =
-              "lever arms that change with C as far as neither A and C nor the transformation's vectors take them, and "
+              "lever arms that change with A and C at once as far as neither A and C nor the transformation's vectors "
+              "take them, and "
               "more products than there are tables. X, Y and Z follow a leaning axis by the vectors, the tool's axis "
               "does not: A and C set it right only where that costs the position less than it brings at 20 mm.",
           .questions = {items, numbers},
           .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
                        Angle::degrees(5), Angle::degrees(3)},
+          .spacing_loss = Length::micrometres(0.01),
           .emit = emit,
           .play = sinumerik::play,
           .loading = loading,

@@ -116,7 +116,7 @@ class Best : public PlayedCompensation {
  private:
   Eigen::Index count() const {
     const Eigen::Index a = over_a_.size(), c = over_c_.size();
-    return (format_.pairs ? 5 * a * c : 0) + (format_.levers ? 9 * a : 0) + (format_.own_axes ? a + c : 0) +
+    return (format_.pairs ? 5 * a * c : 0) + (format_.levers ? 9 * (a + c) : 0) + (format_.own_axes ? a + c : 0) +
            (format_.chain ? 6 * (a + c) : 0) + (format_.places ? 6 : 0) + (format_.directions ? 6 : 0);
   }
   Eigen::Matrix3d tilted(const Situation& s) const {
@@ -156,7 +156,8 @@ class Best : public PlayedCompensation {
             visit(base + a.node[i] * columns + c.node[j], a.weight[i] * c.weight[j] * Motion::Unit(output));
     for (Eigen::Index k = 0; k < 3; ++k)
       for (Eigen::Index output = 0; output < 3; ++output)
-        if (format_.levers) over_tilt(s.point_r_mm[k] * Motion::Unit(output));
+        if (format_.levers)
+          over_tilt(s.point_r_mm[k] * Motion::Unit(output)), over_turn(s.point_r_mm[k] * Motion::Unit(output));
     if (format_.own_axes) {
       over_tilt(Motion::Unit(3));
       over_turn(Motion::Unit(4));

@@ -13,7 +13,7 @@ namespace trunnion::compensation_test {
 /// Which products of functions a control adds up.
 struct Format {
   bool pairs = false;       ///< X, Y, Z, A and C each by a function of (A, C)
-  bool levers = false;      ///< X, Y, Z in proportion to x, y, z, by functions of A
+  bool levers = false;      ///< X, Y, Z in proportion to x, y, z, by functions of A and of C
   bool own_axes = false;    ///< A by a function of A, C by one of C
   bool chain = false;       ///< X, Y, Z follow errors of A over A and of C over C, in the frames of the axes
   bool places = false;      ///< X, Y, Z follow the axes to other places
