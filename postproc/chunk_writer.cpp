@@ -52,11 +52,12 @@ AxisValues with_arc(const Arc* arc, AxisValues at, double s) {
   return at;
 }
 
+double square(double x) { return x * x; }
 double length_mm(const AxisValues& from, const AxisValues& to) {
-  return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  return std::sqrt(square(to[0] - from[0]) + square(to[1] - from[1]) + square(to[2] - from[2]));
 }
 double turn_deg(const AxisValues& from, const AxisValues& to) {
-  return std::hypot(to[kTilt] - from[kTilt], to[kTurn] - from[kTurn]);
+  return std::sqrt(square(to[kTilt] - from[kTilt]) + square(to[kTurn] - from[kTurn]));
 }
 
 double unit(const MotionBlock& block, std::size_t axis) { return axis < 3 ? block.unit_mm : 1; }
@@ -236,6 +237,8 @@ void ChunkWriter::solve(const MotionBlock& block, const AxisValues& at, Solution
   solution.commanded.rotary = solved.rotary;
   solution.ticks[kTilt] = solved.tilt_deg;
   solution.ticks[kTurn] = solved.turn_deg;
+  solution.tilt_by = solved.tilt_by;
+  solution.turn_by = solved.turn_by;
   solution.linear = solved.linear;
   if (!(solution.linear.change_mm.cwiseAbs().maxCoeff() < kAbsurd_mm) || !(solution.linear.deviation_mm < kAbsurd_mm))
     throw RangeError("the model gives no usable correction of the position here");
@@ -283,6 +286,8 @@ void ChunkWriter::check_change(const Solution& before, const Solution& now) cons
     throw RangeError("the correction changes by " + text_of(change * 1e3, 1) +
                      " um from the block before, limits.change_um is " + text_of(guard_.change.in_micrometres(), 3));
   for (const std::size_t i : {kTilt, kTurn}) {
+    const Angle by = i == kTilt ? now.tilt_by - before.tilt_by : now.turn_by - before.turn_by;
+    if (std::abs(by.in_radians()) <= guard_.rotary_change.in_radians()) continue;
     const double turn = std::abs((now.ticks[i] - before.ticks[i]).value());
     if (turn > guard_.rotary_change.in_degrees())
       throw RangeError(std::string("the correction of ") + letters_[i] + " changes by " + text_of(turn, 4) +
@@ -515,7 +520,10 @@ void ChunkWriter::correct(const MotionBlock& block) {
   const bool whole = is_short(block);
   std::optional<Vector3> centre;
   if (!whole && block.arc() != nullptr) centre = moved_arc(block, pen.before, end);
-  if (whole || centre) {
+  if (whole) feed = new_feed(block, pen.before, end.ticks, 1);
+  if (whole && !feed.word && rewrite_plainly(block, end, pen.before)) {
+    lines_since_arc_ = false;
+  } else if (whole || centre) {
     const NewWords words = this->words(block, end, true, pen);
     feed = new_feed(block, pen.before, end.ticks, 1);
     if (!feed.word && !centre && !block.arc()) {
@@ -573,19 +581,15 @@ void ChunkWriter::correct(const MotionBlock& block) {
 
 void ChunkWriter::count(const Solution& solution) {
   CorrectionCounts& counts = out_.counts;
-  const auto by = [](const Solution& s, std::size_t axis) {
-    return Angle::degrees(s.ticks[axis].value()).in_radians();
-  };
   counts.largest_deviation_mm = std::max(counts.largest_deviation_mm, solution.linear.deviation_mm);
   counts.largest_tilt_rad = std::max(counts.largest_tilt_rad, solution.linear.error.rotation_rad.norm());
   counts.largest_residual_rad = std::max(counts.largest_residual_rad, solution.residual.in_radians());
-  counts.largest_c_correction_rad = std::max(counts.largest_c_correction_rad, std::abs(by(solution, kTurn)));
+  counts.largest_c_correction_rad = std::max(counts.largest_c_correction_rad, std::abs(solution.turn_by.in_radians()));
   if (last_) {
     counts.largest_position_change_mm =
         std::max(counts.largest_position_change_mm, (solution.linear.change_mm - last_->linear.change_mm).norm());
-    for (const std::size_t i : {kTilt, kTurn})
-      counts.largest_rotary_change_rad =
-          std::max(counts.largest_rotary_change_rad, std::abs(by(solution, i) - by(*last_, i)));
+    for (const Angle change : {solution.tilt_by - last_->tilt_by, solution.turn_by - last_->turn_by})
+      counts.largest_rotary_change_rad = std::max(counts.largest_rotary_change_rad, std::abs(change.in_radians()));
   }
 }
 
@@ -650,7 +654,34 @@ void ChunkWriter::append_feed(const MotionBlock& block, const NewFeed& feed, boo
   append_number(out_.text, *feed.word, style);
 }
 
-/// The usual block: a few numbers change, words are added behind the last.
+/// The usual block: absolute words of the axes, whose numbers change. False, and nothing written, for any other.
+bool ChunkWriter::rewrite_plainly(const MotionBlock& block, const Solution& end, const Ticks& before) {
+  constexpr std::size_t kRoom = 512;
+  if (block.extras || block.words == 0 || (block.incremental | block.in_turn) != 0 ||
+      block.end - copied_ + kAxes * kLongestNumber > kRoom)
+    return false;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    if (!holds(block.programmed, i) && !same(end.ticks[i], before[i])) return false;
+  std::array<char, kRoom> line;
+  char* to = line.data();
+  const char* const source = source_.data();
+  for (std::size_t i = 0; i < block.words; ++i) {
+    const std::size_t axis = block.order[i];
+    if (end.ticks[axis].mantissa == 0) continue;
+    const WordPlace& word = block.word[axis];
+    to = std::copy(source + copied_, source + word.number, to);
+    NumberStyle style = word.style;
+    style.plus |= text_.sign_always;
+    style.point |= text_.point_always;
+    to = write_number(to, word.value + end.ticks[axis], style);
+    copied_ = word.number_end;
+    ++out_.counts.changed_words;
+  }
+  out_.text.append(line.data(), to);
+  return true;
+}
+
+/// A few numbers change, words are added behind the last.
 void ChunkWriter::rewrite_numbers(const MotionBlock& block, const NewWords& words) {
   // Vectors stand before or behind the axes; the general way puts them in order.
   if (block.words == 0 || (block.extras && block.extras->direction)) return rewrite(block, words, {});

@@ -89,6 +89,7 @@ class ChunkWriter {
     AxisValues programmed{};
     Commanded commanded;  // as written
     Ticks ticks{};
+    Angle tilt_by, turn_by;  // what the words of the rotary axes are changed by
     Corrector::Linear linear;
     Angle residual;
   };
@@ -140,6 +141,7 @@ class ChunkWriter {
   void count(const Solution& solution);
 
   void rewrite(const MotionBlock& block, const NewWords& words, const NewFeed& feed);
+  bool rewrite_plainly(const MotionBlock& block, const Solution& end, const Ticks& before);
   void rewrite_numbers(const MotionBlock& block, const NewWords& words);
   void replace_number(const WordPlace& word, Decimal value);
   void add_words(const MotionBlock& block, const NewWords& words, const NewFeed& feed, bool all);

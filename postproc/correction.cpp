@@ -1,5 +1,6 @@
 #include "postproc/correction.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "error.h"
@@ -7,22 +8,21 @@
 namespace trunnion {
 namespace {
 
-using Eigen::Matrix2d;
 using Eigen::Matrix3d;
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kDerivativeStep_rad =
-    1e-4;                                // errors change over tenths of a radian: 1e-9 of them is lost to curvature
-constexpr double kConverged_rad = 1e-6;  // a step leaves a thousandth of itself, errors of a milliradian granted
-constexpr int kMostSteps = 8;            // two do unless the errors are absurd
+    1e-4;                                 // errors change over tenths of a radian: 1e-9 of them is lost to curvature
+constexpr double kConverged_rad = 1e-6;   // a step leaves a thousandth of itself, errors of a milliradian granted
+constexpr int kMostSteps = 8;             // two do unless the errors are absurd
+constexpr double kUnlimited_rad = 1e-13;  // what of a change of C its limit may take without a second look
 
 constexpr double kAbsurdTurn_rad = 1;
 constexpr double kNear_rad = 5e-4;    // second order: 30 um of six waves a turn lose 0.0002 um
 constexpr double kSmall_rad = 0.005;  // its seventh power is beyond double precision
 
 /// `v` turned by `angle` about the unit vector `axis` (Rodrigues). Corrections are small: their sine is a short series.
-Vector3d turned(const Vector3d& v, const Vector3d& axis, double angle) {
+inline Vector3d turned(const Vector3d& v, const Vector3d& axis, double angle) {
   double sine, versine;
   if (std::abs(angle) < kSmall_rad) {
     const double square = angle * angle;
@@ -40,14 +40,14 @@ Vector3d turned(const Vector3d& v, const Vector3d& axis, double angle) {
 struct SineCosine {
   double sine, cosine;
 };
-SineCosine sine_cosine(double angle) {
+inline SineCosine sine_cosine(double angle) {
   if (std::abs(angle) >= kSmall_rad) return {std::sin(angle), std::cos(angle)};
   const double square = angle * angle;
   return {angle * (1 - square / 6 * (1 - square / 20)), 1 - square / 2 * (1 - square / 12 * (1 - square / 30))};
 }
 
 /// Rx(a) Ry(b) Rz(c): the rotation of a pose error.
-Matrix3d rotation(const Vector3d& rotation_rad) {
+inline Matrix3d rotation(const Vector3d& rotation_rad) {
   const auto [sa, ca] = sine_cosine(rotation_rad.x());
   const auto [sb, cb] = sine_cosine(rotation_rad.y());
   const auto [sc, cc] = sine_cosine(rotation_rad.z());
@@ -63,8 +63,14 @@ double saturated(double value, double limit) {
   if (limit <= 0) return 0;
   const double ratio2 = (value / limit) * (value / limit);
   const double ratio8 = ratio2 * ratio2 * ratio2 * ratio2;
-  return value / std::pow(1 + ratio8, 1.0 / 8);
+  return value / std::sqrt(std::sqrt(std::sqrt(1 + ratio8)));
 }
+
+/// Changes of the tilting and of the turning axis, rad.
+struct Turned {
+  double tilt = 0, turn = 0;
+  double largest() const { return std::max(std::abs(tilt), std::abs(turn)); }
+};
 
 /// The tool axis and the wanted axis near one programmed rotary position, the errors linear in (dA, dC).
 class AxisMismatch {
@@ -75,48 +81,39 @@ class AxisMismatch {
         error_by_a_(error_by_a),
         error_by_c_(error_by_c),
         tool_(tool),
-        lines_{lines[0], lines[1]} {
-    for (std::size_t i = 0; i < 2; ++i) of_workpiece_[i] = chain.rotary_joints()[i].side == Side::workpiece;
-    tilt_ = chain.tilt_index();
-    // At right angles to the tool axis, where mismatches are seen.
-    across_ = Matrix32::Zero();
-    across_.col(0) = tool_.unitOrthogonal();
-    across_.col(1) = tool_.cross(across_.col(0));
-  }
-
-  /// v - z across the tool axis, rad.
-  Vector2d mismatch(const Vector2d& dq) const {
-    // The error's own change is a thousandth of a small angle: first order will do, beyond 1e-10 rad.
-    Vector3d wanted = error_rotation_ * moved(tool_, dq, Side::workpiece);
-    wanted += (error_by_a_ * dq[0] + error_by_c_ * dq[1]).cross(wanted);
-    return across_.transpose() * (wanted - moved(tool_, dq, Side::tool));
-  }
-
-  /// d(mismatch)/d(dA, dC) of the nominal machine at dq = 0: a C parallel to the tool moves nothing.
-  Matrix2d nominal_jacobian() const {
-    Matrix2d jacobian;
+        lines_{lines[0], lines[1]},
+        tilt_(chain.tilt_index()) {
     for (std::size_t i = 0; i < 2; ++i) {
+      of_workpiece_[i] = chain.rotary_joints()[i].side == Side::workpiece;
       const Vector3d sweep = lines_[i].cross(tool_);
-      jacobian.col(i == tilt_ ? 0 : 1) = across_.transpose() * (of_workpiece_[i] ? sweep : Vector3d(-sweep));
+      (i == tilt_ ? by_tilt : by_turn) = of_workpiece_[i] ? sweep : Vector3d(-sweep);
     }
-    return jacobian;
   }
 
+  /// d(v - z)/dA and d(v - z)/dC of the nominal machine at zero, at right angles to the tool axis: a C parallel to the
+  /// tool moves nothing.
+  Vector3d by_tilt, by_turn;
   /// The same with the errors' own derivative.
-  Matrix2d jacobian() const {
-    Matrix2d jacobian = nominal_jacobian();
-    jacobian.col(0) += across_.transpose() * error_by_a_.cross(tool_);
-    jacobian.col(1) += across_.transpose() * error_by_c_.cross(tool_);
-    return jacobian;
+  Vector3d all_by_tilt() const { return by_tilt + error_by_a_.cross(tool_); }
+  Vector3d all_by_turn() const { return by_turn + error_by_c_.cross(tool_); }
+
+  /// v - z, rad.
+  Vector3d mismatch() const { return error_rotation_ * tool_ - tool_; }
+  Vector3d mismatch(const Turned& by) const {
+    // The error's own change is a thousandth of a small angle: first order will do, beyond 1e-10 rad.
+    Vector3d wanted = error_rotation_ * moved(by, Side::workpiece);
+    wanted += (error_by_a_ * by.tilt + error_by_c_ * by.turn).cross(wanted);
+    return wanted - moved(by, Side::tool);
   }
+  /// The angle that a mismatch is: its part across the tool axis.
+  double angle(const Vector3d& mismatch) const { return (mismatch - tool_ * tool_.dot(mismatch)).norm(); }
 
  private:
-  using Matrix32 = Eigen::Matrix<double, 3, 2>;
-
   /// The tool axis direction carried along by the joints of one side: the inner joint turns first.
-  Vector3d moved(Vector3d v, const Vector2d& dq, Side side) const {
+  Vector3d moved(const Turned& by, Side side) const {
+    Vector3d v = tool_;
     for (std::size_t i = 2; i-- > 0;)
-      if (of_workpiece_[i] == (side == Side::workpiece)) v = turned(v, lines_[i], dq[i == tilt_ ? 0 : 1]);
+      if (of_workpiece_[i] == (side == Side::workpiece)) v = turned(v, lines_[i], i == tilt_ ? by.tilt : by.turn);
     return v;
   }
 
@@ -126,7 +123,6 @@ class AxisMismatch {
   Vector3d lines_[2];
   bool of_workpiece_[2];
   std::size_t tilt_;
-  Matrix32 across_;
 };
 
 }  // namespace
@@ -146,6 +142,8 @@ ErrorField::Slopes ErrorField::with_slopes(const Situation& situation) const {
 
 Corrector::Corrector(const KinematicChain& chain, const ErrorField& field, CorrectionSettings settings)
     : chain_(chain), field_(field), settings_(settings), tool_side_(chain.has_rotary(Side::tool)) {
+  const double damping = std::sin(settings.damping.in_radians());
+  damping2_ = damping * damping;
   for (std::size_t i = 0; i < 2; ++i) {
     cross_[i] = cross_matrix(chain.rotary_joints()[i].direction);
     cross2_[i] = cross_[i] * cross_[i];
@@ -174,9 +172,14 @@ Corrector::Stand Corrector::stand(const Turns& turns) const {
     const bool table = joint.side == Side::workpiece;
     Matrix3d& rotation = table ? at.w_rotation : at.t_rotation;
     bool& carried = turned[table ? 0 : 1];
+    Vector3d& origin = table ? at.w_origin : at.t_origin;
     at.lines[i] = carried ? Vector3d(rotation * joint.direction) : joint.direction;
-    if (!at_zero_[i])
-      (table ? at.w_origin : at.t_origin) += rotation * Vector3d(joint.origin_mm - motion * joint.origin_mm);
+    at.pivots[i] = origin;
+    if (!at_zero_[i]) {
+      const Vector3d pivot = rotation * joint.origin_mm;
+      at.pivots[i] += pivot;
+      origin += pivot - rotation * (motion * joint.origin_mm);
+    }
     rotation = carried ? Matrix3d(rotation.lazyProduct(motion)) : motion;
     carried = true;
   }
@@ -223,31 +226,36 @@ RotaryCorrection Corrector::rotary(const Stand& here, const ErrorField::Slopes& 
   const AxisMismatch axes(chain_, here.t_rotation.col(2), here.lines, slopes.error.rotation_rad,
                           slopes.by_a.rotation_rad, slopes.by_c.rotation_rad);
 
-  // Stationary point J~^T m(q) + diag(0, lambda^2) dq = 0 by Newton with the full derivative. J~ is the nominal one, so
-  // that a C parallel to the tool keeps its programmed value.
-  const double lambda = std::sin(settings_.damping.in_radians());
-  const Matrix2d gradient = axes.nominal_jacobian().transpose();
-  Matrix2d normal = gradient * axes.jacobian();
-  normal(1, 1) += lambda * lambda;
-  const Matrix2d inverse = normal.inverse();
-  Vector2d dq = Vector2d::Zero();
+  // Stationary point J~^T m(q) + diag(0, lambda^2) dq = 0 by Newton with the derivative J at zero. J~ is the nominal
+  // one, so that a C parallel to the tool keeps its programmed value.
+  const Vector3d all_by_tilt = axes.all_by_tilt(), all_by_turn = axes.all_by_turn();
+  const double tilt_tilt = axes.by_tilt.dot(all_by_tilt), tilt_turn = axes.by_tilt.dot(all_by_turn);
+  const double turn_tilt = axes.by_turn.dot(all_by_tilt), turn_turn = axes.by_turn.dot(all_by_turn) + damping2_;
+  const double scale = 1 / (tilt_tilt * turn_turn - tilt_turn * turn_tilt);
+  Turned q;
+  Vector3d left = axes.mismatch();
   for (int i = 0; i < kMostSteps; ++i) {
-    Vector2d descent = gradient * axes.mismatch(dq);
-    descent[1] += lambda * lambda * dq[1];
-    const Vector2d change = inverse * descent;
-    dq -= change;
-    if (change.cwiseAbs().maxCoeff() < kConverged_rad) break;
+    if (i > 0) left = axes.mismatch(q);
+    const double tilt = axes.by_tilt.dot(left), turn = axes.by_turn.dot(left) + damping2_ * q.turn;
+    const Turned change{scale * (turn_turn * tilt - tilt_turn * turn), scale * (tilt_tilt * turn - turn_tilt * tilt)};
+    q.tilt -= change.tilt;
+    q.turn -= change.turn;
+    // What the step leaves, to its own second order.
+    left -= change.tilt * all_by_tilt + change.turn * all_by_turn;
+    if (change.largest() < kConverged_rad) break;
   }
-  // The tilting axis, undamped, at the C that is left.
-  dq[1] = saturated(dq[1], settings_.largest_rotary_change.in_radians());
-  Vector2d left;
-  for (int i = 0; i < kMostSteps; ++i) {
-    left = axes.mismatch(dq);
-    const double change = gradient.row(0).dot(left) / normal(0, 0);
-    dq[0] -= change;
-    if (std::abs(change) < kConverged_rad) break;
+  const double limited = saturated(q.turn, settings_.largest_rotary_change.in_radians());
+  if (!(std::abs(limited - q.turn) < kUnlimited_rad)) {
+    // The tilting axis, undamped, at the C that is left.
+    q.turn = limited;
+    for (int i = 0; i < kMostSteps; ++i) {
+      left = axes.mismatch(q);
+      const double change = axes.by_tilt.dot(left) / tilt_tilt;
+      q.tilt -= change;
+      if (std::abs(change) < kConverged_rad) break;
+    }
   }
-  return {Angle::radians(dq[0]), Angle::radians(dq[1]), Angle::radians(left.norm())};
+  return {Angle::radians(q.tilt), Angle::radians(q.turn), Angle::radians(axes.angle(left))};
 }
 
 Corrector::Linear Corrector::linear(const Commanded& programmed, IndexedPosition rotary) const {
@@ -290,8 +298,7 @@ Corrector::Linear Corrector::linear(const Commanded& programmed, IndexedPosition
 
 Corrector::Solved Corrector::solve(const Commanded& programmed, int tilt_decimals, int turn_decimals,
                                    bool rotary_moves) const {
-  const Turns at = turns(programmed.rotary);
-  const Stand here = stand(at);
+  const Stand here = stand(programmed.rotary);
   Solved solved;
   solved.rotary = programmed.rotary;
   solved.tilt_deg = {0, tilt_decimals};
@@ -300,33 +307,51 @@ Corrector::Solved Corrector::solve(const Commanded& programmed, int tilt_decimal
     solved.linear = linear(programmed, solved.rotary, here, here, std::nullopt);
     return solved;
   }
-  const ErrorField::Slopes slopes =
-      field_.with_slopes(situation(programmed, programmed.rotary, tip_r(programmed, here)));
+  const Vector3d tip = tip_r(programmed, here);
+  const ErrorField::Slopes slopes = field_.with_slopes(situation(programmed, programmed.rotary, tip));
   solved.turn = rotary(here, slopes);
   if (!(std::abs(solved.turn.da.in_radians()) <= kAbsurdTurn_rad) ||
       !(std::abs(solved.turn.dc.in_radians()) <= kAbsurdTurn_rad))
     throw RangeError("the model gives no usable correction of the rotary axes here");
   solved.tilt_deg = rounded(solved.turn.da.in_degrees(), tilt_decimals);
   solved.turn_deg = rounded(solved.turn.dc.in_degrees(), turn_decimals);
-  const Angle da = Angle::degrees(solved.tilt_deg.value()), dc = Angle::degrees(solved.turn_deg.value());
-  if (solved.tilt_deg.mantissa != 0) solved.rotary.a = programmed.rotary.a + da;
-  if (solved.turn_deg.mantissa != 0) solved.rotary.c = programmed.rotary.c + dc;
-  // The table where the words send it: sines of sums.
-  Turns sent = at;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto [sine, cosine] = sine_cosine((i == chain_.tilt_index() ? da : dc).in_radians());
-    sent.sine[i] = at.sine[i] * cosine + at.cosine[i] * sine;
-    sent.cosine[i] = at.cosine[i] * cosine - at.sine[i] * sine;
-  }
+  solved.tilt_by = Angle::degrees(solved.tilt_deg.value());
+  solved.turn_by = Angle::degrees(solved.turn_deg.value());
+  if (solved.tilt_deg.mantissa != 0) solved.rotary.a = programmed.rotary.a + solved.tilt_by;
+  if (solved.turn_deg.mantissa != 0) solved.rotary.c = programmed.rotary.c + solved.turn_by;
   std::optional<PoseError> error;
-  const double a = da.in_radians(), c = dc.in_radians();
+  const double a = solved.tilt_by.in_radians(), c = solved.turn_by.in_radians();
   if (slopes.smooth && std::abs(a) < kNear_rad && std::abs(c) < kNear_rad) {
     error = slopes.error;
     error->translation_mm += a * slopes.by_a.translation_mm + c * slopes.by_c.translation_mm;
     error->rotation_rad += a * slopes.by_a.rotation_rad + c * slopes.by_c.rotation_rad;
   }
-  solved.linear = linear(programmed, solved.rotary, here, stand(sent), error);
+  solved.linear = tool_side_ ? linear(programmed, solved.rotary, here, stand(solved.rotary), error)
+                             : linear_on_table(programmed, here, tip, solved.rotary, a, c, error);
   return solved;
+}
+
+/// As linear(), where the table carries both rotary axes and turns on from `here` by `tilt` and `turn`, rad: its point
+/// and direction are turned about the joints' lines, the inner one first.
+Corrector::Linear Corrector::linear_on_table(const Commanded& programmed, const Stand& here, const Vector3d& nominal,
+                                             IndexedPosition rotary, double tilt, double turn,
+                                             const std::optional<PoseError>& known) const {
+  const double by[2] = {chain_.tilt_index() == 0 ? tilt : turn, chain_.tilt_index() == 0 ? turn : tilt};
+  Vector3d tip = nominal;
+  for (std::size_t i = 2; i-- > 0;) tip = here.pivots[i] + turned(Vector3d(tip - here.pivots[i]), here.lines[i], by[i]);
+  Linear result;
+  result.error = known ? *known : error_at(programmed, rotary, tip);
+  const Vector3d deviation = rotation(result.error.rotation_rad) * tip - tip + result.error.translation_mm;
+  result.deviation_mm = deviation.norm();
+  result.tip_r_mm = tip + deviation;
+  if (settings_.tcp == ToolCentrePoint::on) {
+    Vector3d back = deviation;
+    for (std::size_t i = 0; i < 2; ++i) back = turned(back, here.lines[i], -by[i]);
+    result.change_mm = here.w_rotation.transpose() * back;
+  } else {
+    result.change_mm = deviation + (tip - nominal);
+  }
+  return result;
 }
 
 Angle Corrector::tilt_error(const Commanded& programmed, IndexedPosition rotary) const {

@@ -98,6 +98,7 @@ class Corrector {
   struct Solved {
     RotaryCorrection turn;
     Decimal tilt_deg, turn_deg;  ///< to add to the words
+    Angle tilt_by, turn_by;      ///< the same
     IndexedPosition rotary;      ///< where they then stand
     Linear linear;
   };
@@ -113,7 +114,8 @@ class Corrector {
   struct Stand {
     Eigen::Matrix3d w_rotation, t_rotation;  // of r_from_w and r_from_t
     Eigen::Vector3d w_origin, t_origin;
-    Eigen::Vector3d lines[2];  // the joints' directions in R
+    Eigen::Vector3d lines[2];   // the joints' directions in R
+    Eigen::Vector3d pivots[2];  // and a point of each
   };
   struct Turns {
     double sine[2], cosine[2];  // of the joints' angles
@@ -124,6 +126,8 @@ class Corrector {
   RotaryCorrection rotary(const Stand& here, const ErrorField::Slopes& slopes) const;
   Linear linear(const Commanded& programmed, IndexedPosition rotary, const Stand& meant, const Stand& there,
                 const std::optional<PoseError>& known) const;
+  Linear linear_on_table(const Commanded& programmed, const Stand& here, const Eigen::Vector3d& nominal,
+                         IndexedPosition rotary, double tilt, double turn, const std::optional<PoseError>& known) const;
   Eigen::Vector3d tip_w(const Commanded& programmed, const Stand& at) const;
   Eigen::Vector3d tip_r(const Commanded& programmed, const Stand& at) const;
   Situation situation(const Commanded& programmed, IndexedPosition position, const Eigen::Vector3d& tip_r_mm) const;
@@ -135,6 +139,7 @@ class Corrector {
   const ErrorField& field_;
   CorrectionSettings settings_;
   bool tool_side_ = false;
+  double damping2_ = 0;                   // lambda squared
   Eigen::Matrix3d cross_[2], cross2_[2];  // of the joints' directions at zero, and squared
   bool at_zero_[2];                       // the joint's line goes through R's origin
 };

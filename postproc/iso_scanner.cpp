@@ -7,6 +7,7 @@ namespace trunnion {
 namespace {
 
 constexpr double kFastest = 1e9;
+constexpr std::int64_t kFarthest_whole = static_cast<std::int64_t>(kFarthest);
 
 int tenths(const Token& token) {
   const Decimal n = token.value;
@@ -74,13 +75,6 @@ bool IsoScanner::scan(std::string_view line, std::uint32_t begin, ScannedChunk& 
   if (ended_) return true;
   begin_ = begin;
   try {
-    const std::span<const Token> tokens = tokenize_(line);
-    if (tokens.front().kind == TokenKind::percent && !rules_.syntax.names) {
-      if (anything_ && !percent_) bad("% in a program that does not begin with one");
-      ended_ = percent_;
-      percent_ = anything_ = true;
-      return true;
-    }
     current_ = line;
     begin_block();
     move_.clear();
@@ -88,6 +82,17 @@ bool IsoScanner::scan(std::string_view line, std::uint32_t begin, ScannedChunk& 
     move_.block.end = begin + static_cast<std::uint32_t>(line.size());
     IsoWords words;
     words.begin = begin;
+    if (take_plain(line, words)) {
+      execute(words, chunk);
+      return true;
+    }
+    const std::span<const Token> tokens = tokenize_(line);
+    if (tokens.front().kind == TokenKind::percent && !rules_.syntax.names) {
+      if (anything_ && !percent_) bad("% in a program that does not begin with one");
+      ended_ = percent_;
+      percent_ = anything_ = true;
+      return true;
+    }
     collect(tokens, line, words);
     execute(words, chunk);
   } catch (const LineRefused& refused) {
@@ -100,6 +105,72 @@ bool IsoScanner::scan(std::string_view line, std::uint32_t begin, ScannedChunk& 
 
 // --- reading a block
 // --------------------------------------------------------------------------------------------------
+
+/// The words of a line that has nothing but plain numbers behind N, G0, G1, the axes and F, as nearly every one: what
+/// tokens and collect() make of it, without the way over them. False, and nothing taken, for any other line.
+bool IsoScanner::take_plain(std::string_view line, IsoWords& words) {
+  const char* const first = line.data();
+  const char* const end = first + line.size() - (line.ends_with("\n\r\r") ? 3 : line.ends_with("\n") ? 1 : 0);
+  MotionBlock& block = move_.block;
+  const auto give_up = [&] {
+    const std::uint32_t line_begin = block.begin, line_end = block.end;
+    move_.clear();
+    block.begin = line_begin;
+    block.end = line_end;
+    words = {};
+    words.begin = begin_;
+    return false;
+  };
+  const auto offset = [&](const char* place) { return begin_ + static_cast<std::uint32_t>(place - first); };
+  bool anything = false;
+  for (const char* at = first;;) {
+    const char* const before = at;
+    while (at != end && (*at == ' ' || *at == '\t' || *at == '\r')) ++at;
+    if (at == end) break;
+    if (*at == ';' && rules_.syntax.semicolon_ends_block && at + 1 == end) break;
+    const char* const text = at;
+    const char letter = static_cast<char>(*at >= 'a' ? *at - ('a' - 'A') : *at);
+    if (letter < 'A' || letter > 'Z') return give_up();
+    ++at;
+    while (at != end && (*at == ' ' || *at == '\t')) ++at;
+    const char* const number = at;
+    anything = true;
+    const std::int8_t found = axis_by_letter_[static_cast<std::size_t>(letter - 'A')];
+    WordPlace other;
+    WordPlace& word = found >= 0 ? block.word[static_cast<std::size_t>(found)] : other;
+    if (found >= 0 && holds(block.programmed, static_cast<std::size_t>(found))) return give_up();
+    at = scan_plain_number(at, end, word.value, word.style);
+    if (at == nullptr) return give_up();
+    // What a number is followed by in the middle of a name or an expression.
+    if (at != end && rules_.syntax.names && (*at == '_' || *at == ':' || *at == '=')) return give_up();
+    word.text = offset(text);
+    word.number = offset(number);
+    word.number_end = word.end = offset(at);
+    const Decimal value = word.value;
+    if (found >= 0) {
+      const std::int64_t size = value.mantissa < 0 ? -value.mantissa : value.mantissa;
+      if (size > kFarthest_whole * power_of_ten(value.decimals) || (rules_.point_matters && !word.style.point))
+        return give_up();
+      block.programmed |= only(static_cast<std::size_t>(found));
+      block.order[block.words++] = static_cast<std::uint8_t>(found);
+      if (before != first) block.blank_before_words = text > before;
+    } else if (letter == 'G') {
+      const Code code = value.decimals == 0 && value.mantissa >= 0 && value.mantissa <= 1
+                            ? code_of(static_cast<int>(10 * value.mantissa))
+                            : Code::unknown;
+      if ((code != Code::rapid && code != Code::line) || words.g_count == words.g.size()) return give_up();
+      block.motion_word = {word.text, word.end};
+      words.g[words.g_count++] = static_cast<int>(10 * value.mantissa);
+    } else if (letter == 'F') {
+      if (words.feed.end != 0 || value.mantissa < 0 || value.value() > kFastest) return give_up();
+      words.feed = word;
+    } else if (letter != 'N') {
+      return give_up();
+    }
+  }
+  anything_ |= anything;
+  return true;
+}
 
 void IsoScanner::collect(std::span<const Token> tokens, std::string_view line, IsoWords& words) {
   bool ended = false;
@@ -194,10 +265,10 @@ void IsoScanner::take_word(const Token& token, std::string_view line, IsoWords& 
       break;
     }
     case 'F':
-      if (words.feed != nullptr) bad("F stands twice in one block");
+      if (words.feed.end != 0) bad("F stands twice in one block");
       if (token.value.mantissa < 0) bad("F is negative");
       if (token.value.value() > kFastest) bad("F is beyond 1000000000");
-      words.feed = &token;
+      words.feed = place(token);
       break;
     case 'I':
     case 'J':
@@ -348,10 +419,10 @@ void IsoScanner::execute(IsoWords& words, ScannedChunk& chunk) {
   const double feed_unit_before = state_.unit_mm;
   for (std::size_t i = 0; i < words.g_count; ++i) apply(words.g[i], words);
   for (std::size_t i = 0; i < words.m_count; ++i) take_m(words.m[i], words);
-  if (!words.dwell && (words.feed != nullptr || words.feed_expression)) {
-    state_.feed = words.feed != nullptr ? words.feed->value.value() : 0;
+  if (!words.dwell && (words.feed.end != 0 || words.feed_expression)) {
+    state_.feed = words.feed.value.value();
     state_.feed_unit_mm = feed_unit_before;
-    if (words.feed != nullptr) move_.block.feed_word = place(*words.feed);
+    if (words.feed.end != 0) move_.block.feed_word = words.feed;
   }
   if (words.tool_change) state_.forget(kAllAxes);
   if (tool_length_changed_) {

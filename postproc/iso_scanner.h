@@ -57,6 +57,7 @@ struct IsoRules {
   std::string_view harmless_expressions;                ///< letters whose word may be computed
   char turns_letter = 0;                                ///< P of an arc: its turns, the first counted
   int first_motion = 800;                               ///< the code that holds at the program's begin
+  bool point_matters = false;                           ///< 10 and 10. may be different
 };
 
 /// The words of one block, sorted by what they are.
@@ -65,7 +66,7 @@ struct IsoWords {
   std::size_t g_count = 0;
   std::array<int, 8> m{};
   std::size_t m_count = 0;
-  const Token* feed = nullptr;
+  WordPlace feed;  ///< F: else its end is 0
   bool feed_expression = false;
   std::array<const Token*, 5> arc{};  ///< I J K R P
   bool offset_letter = false;         ///< L
@@ -128,6 +129,7 @@ class IsoScanner : public ProgramScanner {
   bool absolute_centre_ = false;
 
  private:
+  bool take_plain(std::string_view line, IsoWords& words);
   void collect(std::span<const Token> tokens, std::string_view line, IsoWords& words);
   void take_word(const Token& token, std::string_view line, IsoWords& words);
   void apply(int g, IsoWords& words);

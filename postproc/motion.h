@@ -97,9 +97,8 @@ struct BlockExtras {
   bool direction_in_effect = false;  ///< the program tells the tool axis by vectors; this block need not
 };
 
-/// A block whose words a correction may change, as the serial scan of a program found it; nothing else of the text
-/// matters to a correction. Places count from the beginning of the chunk.
-struct MotionBlock {
+/// What a block says of itself beside places and numbers.
+struct BlockFacts {
   std::uint64_t line = 0;   ///< counted from 1
   std::uint32_t begin = 0;  ///< first byte of its line
   std::uint32_t end = 0;    ///< behind its line end
@@ -118,21 +117,33 @@ struct MotionBlock {
   bool blank_before_words = true;  ///< how words are set apart
   bool stops = false;              ///< a program stop or end stands in the block
   bool changes_modes = false;      ///< it says more than motion, feed and words: units, offsets, distance mode
-  std::array<std::uint8_t, kAxes> decimals{};  ///< of what is written
-  std::array<NumberStyle, kAxes> style{};      ///< of words that are added
-  AxisSet raw_since = 0;  ///< axes that copied blocks have put elsewhere since the last corrected block
+  AxisSet raw_since = 0;           ///< axes that copied blocks have put elsewhere since the last corrected block
   std::int8_t tilt_sense = 1, turn_sense = 1;
   FeedMode feed_mode = FeedMode::per_minute;
   double unit_mm = 1;
-  double feed = 0;                            ///< as programmed, in the units of its own block; 0: not known
-  double feed_unit_mm = 1;                    ///< what that unit is
-  std::array<WordPlace, kAxes> word{};        ///< by axis
-  WordPlace feed_word;                        ///< where the block says F: else its end is 0
-  TextPlace motion_word;                      ///< G1, G2, L, C ... where the block says it
-  AxisValues from{};                          ///< where the programmed path begins; holds if from_known
-  AxisValues target{};                        ///< where it ends: program value times unit plus zero
-  AxisValues zero{};                          ///< work offset and shifts, mm or deg
-  std::shared_ptr<const BlockExtras> extras;  ///< none for most
+  double feed = 0;          ///< as programmed, in the units of its own block; 0: not known
+  double feed_unit_mm = 1;  ///< what that unit is
+  TextPlace motion_word;    ///< G1, G2, L, C ... where the block says it
+};
+
+/// A block whose words a correction may change, as the serial scan of a program found it; nothing else of the text
+/// matters to a correction. Places count from the beginning of the chunk.
+struct MotionBlock : BlockFacts {
+  std::array<std::uint8_t, kAxes> decimals{};  ///< of what is written
+  std::array<NumberStyle, kAxes> style{};      ///< of words that are added
+  std::array<WordPlace, kAxes> word{};         ///< by axis, those that are programmed
+  WordPlace feed_word;                         ///< where the block says F: else its end is 0
+  AxisValues from{};                           ///< where the programmed path begins; holds if from_known
+  AxisValues target{};                         ///< where it ends: program value times unit plus zero
+  AxisValues zero{};                           ///< work offset and shifts, mm or deg
+  std::shared_ptr<const BlockExtras> extras;   ///< none for most
+
+  /// To be filled anew: numbers that nothing tells to hold keep what they were.
+  void clear() {
+    static_cast<BlockFacts&>(*this) = {};
+    feed_word.end = 0;
+    extras.reset();
+  }
 
   const Arc* arc() const { return extras && extras->arc ? &*extras->arc : nullptr; }
   const ProgramFrame* frame() const { return extras && extras->frame ? &*extras->frame : nullptr; }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 
 namespace trunnion {
 namespace {
@@ -38,51 +39,14 @@ std::pair<Decimal, Decimal> aligned(Decimal a, Decimal b) {
   return {a, b};
 }
 
-/// Sign, digits, a point, digits, and nothing that could belong to them behind: nearly every number is that.
-bool scan_plain(std::string_view text, ScannedNumber& scanned) {
-  const char* const begin = text.data();
-  const char* const end = begin + text.size();
-  const char* at = begin;
-  const bool negative = at != end && *at == '-';
-  const bool plus = at != end && *at == '+';
-  if (negative || plus) ++at;
-  std::uint64_t mantissa = 0;
-  const char* const whole = at;
-  for (unsigned digit; at != end && (digit = static_cast<unsigned>(*at - '0')) < 10; ++at)
-    mantissa = 10 * mantissa + digit;
-  const auto whole_digits = at - whole;
-  std::ptrdiff_t decimals = 0;
-  const bool point = at != end && *at == '.';
-  if (point) {
-    const char* const behind = ++at;
-    for (unsigned digit; at != end && (digit = static_cast<unsigned>(*at - '0')) < 10; ++at)
-      mantissa = 10 * mantissa + digit;
-    decimals = at - behind;
-  }
-  const auto digits = whole_digits + decimals;
-  if (digits == 0 || digits >= kMostDigits || decimals > kMostDecimals) return false;
-  // Digits may go on behind blanks.
-  if (at != end && is_blank(*at)) {
-    const char* next = at;
-    while (next != end && is_blank(*next)) ++next;
-    if (next != end && (is_digit(*next) || (*next == '.' && !point))) return false;
-  }
-  scanned.number = {negative ? -static_cast<std::int64_t>(mantissa) : static_cast<std::int64_t>(mantissa),
-                    static_cast<int>(decimals)};
-  scanned.style.plus = plus;
-  scanned.style.point = point;
-  scanned.style.leading_zero = whole_digits > 0;
-  scanned.style.decimals = static_cast<std::uint8_t>(decimals);
-  scanned.style.whole_digits = static_cast<std::uint8_t>(whole_digits > 1 && *whole == '0' ? whole_digits : 0);
-  scanned.length = static_cast<std::size_t>(at - begin);
-  return true;
-}
-
 }  // namespace
 
 std::optional<ScannedNumber> scan_number(std::string_view text) {
   ScannedNumber plain;
-  if (scan_plain(text, plain)) return plain;
+  if (const char* behind = scan_plain_number(text.data(), text.data() + text.size(), plain.number, plain.style)) {
+    plain.length = static_cast<std::size_t>(behind - text.data());
+    return plain;
+  }
   const char* at = text.data();
   const char* const end = at + text.size();
   ScannedNumber scanned;
@@ -151,27 +115,35 @@ Decimal sum_of_unlike(Decimal a, Decimal b) {
   return {x.mantissa + y.mantissa, x.decimals};
 }
 
-void append_number(std::string& text, Decimal number, const NumberStyle& style) {
+char* write_number(char* text, Decimal number, const NumberStyle& style) {
   std::uint64_t left = number.mantissa < 0 ? 0 - static_cast<std::uint64_t>(number.mantissa)
                                            : static_cast<std::uint64_t>(number.mantissa);
   int decimals = number.decimals;
   while (decimals > style.decimals && left % 10 == 0) left /= 10, --decimals;
 
-  std::array<char, 48> buffer;
-  char* const end = buffer.data() + buffer.size();
+  std::array<char, 2 * kLongestNumber> buffer;
+  char* const end = buffer.data() + kLongestNumber;
   char* at = end;
   const bool zero = left == 0;
   int i = 0;
   for (; i + 1 < decimals; i += 2, left /= 100) at = two_digits(at, left % 100);
   if (i < decimals) *--at = static_cast<char>('0' + left % 10), left /= 10;
   if (decimals > 0 || style.point) *--at = style.comma ? ',' : '.';
-  int whole = 0;
-  for (; left != 0; left /= 10, ++whole) *--at = static_cast<char>('0' + left % 10);
+  const char* const point = at;
+  for (; left >= 10; left /= 100) at = two_digits(at, left % 100);
+  if (left > 0) *--at = static_cast<char>('0' + left);
+  if (at != point && *at == '0') ++at;  // the first of two digits
   const int wanted = std::max<int>(style.whole_digits, style.leading_zero || decimals == 0 ? 1 : 0);
-  for (; whole < wanted; ++whole) *--at = '0';
+  for (auto whole = point - at; whole < wanted; ++whole) *--at = '0';
   if (number.mantissa < 0 && !zero) *--at = '-';
   if (number.mantissa >= 0 && style.plus) *--at = '+';
-  text.append(at, end);
+  std::memcpy(text, at, kLongestNumber);  // of known length
+  return text + (end - at);
+}
+
+void append_number(std::string& text, Decimal number, const NumberStyle& style) {
+  std::array<char, kLongestNumber> buffer;
+  text.append(buffer.data(), write_number(buffer.data(), number, style));
 }
 
 }  // namespace trunnion

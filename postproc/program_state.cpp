@@ -55,7 +55,7 @@ bool contains_mark(std::string_view comment) {
 
 void Move::clear() {
   kind = Kind::rapid;
-  block = {};
+  block.clear();
   if (has_extras) {
     extras = {};
     has_extras = false;

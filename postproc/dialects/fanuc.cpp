@@ -134,7 +134,8 @@ const IsoRules kRules = {.dialect = "fanuc",
                          .syntax = {.semicolon_ends_block = true},
                          .harmless_letters = "DEHQSTPL",
                          .harmless_expressions = "SDHQT",
-                         .first_motion = 0};
+                         .first_motion = 0,
+                         .point_matters = true};
 
 class FanucScanner : public IsoScanner {
  public:
