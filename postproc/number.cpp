@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -115,7 +116,47 @@ Decimal sum_of_unlike(Decimal a, Decimal b) {
   return {x.mantissa + y.mantissa, x.decimals};
 }
 
+namespace {
+
+/// The eight digits of a number below 10^8, the first in the lowest byte: halves, pairs and digits side by side in one
+/// word, divided by 100 and by 10 as multiplications that are exact in their range.
+std::uint64_t eight_digits(std::uint32_t number) {
+  const std::uint64_t halves = number / 10000 | std::uint64_t{number % 10000} << 32;
+  const std::uint64_t hundreds = halves * 10486 >> 20 & 0x0000007f0000007f;
+  const std::uint64_t pairs = hundreds + ((halves - 100 * hundreds) << 16);
+  const std::uint64_t tens = pairs * 103 >> 10 & 0x000f000f000f000f;
+  return tens + ((pairs - 10 * tens) << 8);
+}
+
+/// The usual number: up to eight digits, some of them decimals, nothing padded. nullptr for any other.
+char* write_usual_number(char* text, Decimal number, const NumberStyle& style) {
+  const std::uint64_t size = number.mantissa < 0 ? 0 - static_cast<std::uint64_t>(number.mantissa)
+                                                 : static_cast<std::uint64_t>(number.mantissa);
+  const int decimals = number.decimals;
+  if (size >= 100'000'000 || size == 0 || decimals < 1 || decimals > 6 || style.whole_digits != 0 ||
+      (decimals > style.decimals && size % 10 == 0))
+    return nullptr;
+  if (number.mantissa < 0)
+    *text++ = '-';
+  else if (style.plus)
+    *text++ = '+';
+  const std::uint64_t digits = eight_digits(static_cast<std::uint32_t>(size));
+  const int whole = 8 - decimals;
+  const int first = std::min(std::countr_zero(digits) / 8, style.leading_zero ? whole - 1 : whole);
+  const std::uint64_t letters = digits + 0x3030303030303030;
+  const std::uint64_t front = letters >> 8 * first, back = letters >> 8 * whole;
+  std::memcpy(text, &front, 8);
+  text += whole - first;
+  *text++ = style.comma ? ',' : '.';
+  std::memcpy(text, &back, 8);
+  return text + decimals;
+}
+
+}  // namespace
+
 char* write_number(char* text, Decimal number, const NumberStyle& style) {
+  if constexpr (std::endian::native == std::endian::little)
+    if (char* const behind = write_usual_number(text, number, style)) return behind;
   std::uint64_t left = number.mantissa < 0 ? 0 - static_cast<std::uint64_t>(number.mantissa)
                                            : static_cast<std::uint64_t>(number.mantissa);
   int decimals = number.decimals;
@@ -144,6 +185,12 @@ char* write_number(char* text, Decimal number, const NumberStyle& style) {
 void append_number(std::string& text, Decimal number, const NumberStyle& style) {
   std::array<char, kLongestNumber> buffer;
   text.append(buffer.data(), write_number(buffer.data(), number, style));
+}
+
+std::string text_of(double value, int decimals) {
+  std::string text;
+  append_number(text, rounded(value, decimals), {});
+  return text;
 }
 
 }  // namespace trunnion

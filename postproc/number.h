@@ -117,6 +117,10 @@ inline Decimal operator+(Decimal a, Decimal b) {
 }
 inline Decimal operator-(Decimal a, Decimal b) { return a + Decimal{-b.mantissa, b.decimals}; }
 
+inline bool same_value(Decimal a, Decimal b) {
+  return a.decimals == b.decimals ? a.mantissa == b.mantissa : (a - b).mantissa == 0;
+}
+
 /// The longest text of a number: digits, a sign and a point, padding of as many as were read.
 inline constexpr std::size_t kLongestNumber = 48;
 
@@ -126,5 +130,8 @@ char* write_number(char* text, Decimal number, const NumberStyle& style);
 
 /// The same at the end of a text.
 void append_number(std::string& text, Decimal number, const NumberStyle& style);
+
+/// `value` with so many decimals at most, for messages.
+std::string text_of(double value, int decimals);
 
 }  // namespace trunnion

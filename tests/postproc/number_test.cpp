@@ -63,7 +63,10 @@ TEST(Number, IsWrittenAsPrintfWould) {
   std::mt19937_64 random(20240607);
   for (int i = 0; i < 100000; ++i) {
     const int decimals = static_cast<int>(random() % 7);
-    const Decimal number{static_cast<std::int64_t>(random() % 2'000'000'000) - 1'000'000'000, decimals};
+    // From a digit to ten, so that both ways of writing and what lies between them are met.
+    const std::int64_t bound = power_of_ten(1 + static_cast<int>(random() % 10));
+    const Decimal number{static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(2 * bound - 1)) - bound + 1,
+                         decimals};
     char wanted[64];
     std::snprintf(wanted, sizeof wanted, "%.*f", decimals, number.value());
     std::string out;
