@@ -13,17 +13,19 @@ namespace {
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 const Dialect kDialects[] = {
-    {"linuxcnc", {}, linuxcnc_scanner, false, "linuxcnc"},
+    {"linuxcnc", {}, linuxcnc_scanner, false, "linuxcnc", ".ngc"},
     {"fanuc",
      {.semicolon_ends_block = true, .point_always = true, .feed_over_all_axes = true},
      fanuc_scanner,
      true,
-     "fanuc-30i"},
+     "fanuc-30i",
+     ".nc"},
     {"sinumerik",
      {.comment_open = "; ", .comment_close = "", .direction = {"A3=", "B3=", "C3="}},
      sinumerik_scanner,
      true,
-     "sinumerik-840d"},
+     "sinumerik-840d",
+     ".mpf"},
     {"heidenhain",
      {.comment_open = "; ",
       .comment_close = "",
@@ -34,7 +36,8 @@ const Dialect kDialects[] = {
       .direction = {"TX", "TY", "TZ"}},
      heidenhain_scanner,
      true,
-     "heidenhain"},
+     "heidenhain",
+     ".h"},
 };
 
 std::string upper_case(std::string_view text) {

@@ -107,7 +107,7 @@ std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSet
       pieces = static_cast<int>(std::min(std::ceil(steps), 1e6));
     }
     for (int k = 1; k <= pieces; ++k)
-      places.push_back({number, move->at(static_cast<double>(k) / pieces, settings.chain)});
+      places.push_back({number, move->at(static_cast<double>(k) / pieces, settings.chain), move->tcp});
   }
   return places;
 }

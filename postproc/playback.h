@@ -27,6 +27,7 @@ struct PlaybackResult {
 struct PlayedPlace {
   std::uint64_t line = 0;
   AxisValues at{};  ///< work offset included, mm and deg
+  bool tcp = true;  ///< X Y Z are of W, else of R
 };
 
 /// Where a program goes at feed, by the same plain reader: the ends of its moves and as many places between as keep two

@@ -12,6 +12,7 @@
 
 #include "app/command.h"
 #include "app/compensated_field.h"
+#include "app/program_reading.h"
 #include "app/table_folder.h"
 #include "app/text_table.h"
 #include "compensation/verification.h"
@@ -67,29 +68,14 @@ double file_size(const std::string& path) {
   return error ? 0 : static_cast<double>(size);
 }
 
-/// The dialect of a program: unmistakable signs, then the machine's controller.
-std::string dialect_of(const std::string& path, const Machine& machine) {
+/// The dialect that a program's beginning or the machine tells.
+std::string told_dialect_of(const std::string& path, const Machine& machine) {
   std::string head(std::size_t{1} << 16, '\0');
   const ReadBytes read = program_file(path)();
   head.resize(read(head.data(), head.size()));
-  if (const std::string_view told = told_dialect(head); !told.empty()) return std::string(told);
-  for (const std::string& name : dialect_names())
-    if (!machine.controller.empty() && dialect(name).controller == machine.controller) return name;
+  if (std::string told = dialect_of(head, machine); !told.empty()) return told;
   throw UsageError(path +
                    ": its dialect is not told by the program nor by the machine's controller; --dialect is wanted");
-}
-
-/// What the machine file says of its control.
-ControlFacts control_facts(const Machine& machine) {
-  ControlFacts facts;
-  const auto take = [&](const std::string& key, std::string& fact) {
-    if (const auto found = machine.profile.find("control." + key); found != machine.profile.end())
-      fact = std::get<std::string>(found->second);
-  };
-  take("tcp_frame", facts.tcp_frame);
-  take("whole_numbers", facts.whole_numbers);
-  take("turn_path", facts.turn_path);
-  return facts;
 }
 
 double tool_length_mm(const Job& job, const KinematicChain& chain) {
@@ -252,21 +238,16 @@ int run(const Options& o, const Talk& talk) {
   const ErrorField& errors = rest ? static_cast<const ErrorField&>(*rest) : field;
 
   ProgramCorrection how;
-  how.dialect = o.dialect.empty() ? dialect_of(o.input, machine) : o.dialect;
+  how.dialect = o.dialect.empty() ? told_dialect_of(o.input, machine) : o.dialect;
   how.name = o.input;
   how.threads = o.threads;
   how.guard = guard_of(machine);
   how.guard.tolerance_mm = 1e-3 * o.tolerance_um;
-  how.scan.letters[kTilt] = machine.tilt_letter();
-  how.scan.work_offsets_mm = job.work_offsets_mm;
+  how.scan = scan_settings(how.dialect, machine, chain, job);
   how.scan.decimals = o.decimals;
   how.scan.keep_going = o.keep_going;
   how.scan.tcp_forced = o.tcp != "auto";
-  how.scan.tcp = o.tcp == "on" || (o.tcp == "auto" && !dialect(how.dialect).says_tcp && machine.tcp == "on");
-  how.scan.control = control_facts(machine);
-  how.scan.modulo_turn = machine.turn().modulo;
-  how.scan.chain = &chain;
-  how.scan.tilt_stroke_deg = how.guard.stroke[kTilt];
+  if (how.scan.tcp_forced) how.scan.tcp = o.tcp == "on";
   how.header = "model " + sha256_hex(model_bytes).substr(0, kHashDigits) + ", machine " + machine.name + ", serial " +
                machine.serial;
   how.keep_insertions = !o.report.empty();

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/piece_cutting.h"
+#include "app/program_reading.h"
 #include "error.h"
 #include "io/csv.h"
 #include "io/piece_file.h"
@@ -26,10 +27,14 @@ PieceClosure::PieceClosure(const PieceFiles& files, const Machine& machine, std:
   const Job job = files.job.empty() ? Job{} : read_job(files.job);
   const Model nothing;
   const KinematicChain chain(machine);
-  const PieceCutting cutting({machine, nothing, piece_, chain, job, files.program.empty()});
-  const std::vector<ToolPosition> path = files.program.empty()
+  const std::string program = files.program.empty() ? "" : read_text(files.program);
+  CuttingSetup setup{machine, nothing, piece_, chain, job};
+  setup.planned = files.program.empty();
+  if (const std::string told = dialect_of(program, machine); !setup.planned && !told.empty()) setup.dialect = told;
+  const PieceCutting cutting(setup);
+  const std::vector<ToolPosition> path = setup.planned
                                              ? flank_milling_path(piece_, chain, {.steps_per_turn = kStepsPerTurn})
-                                             : cutting.path_of(read_text(files.program), files.program);
+                                             : cutting.path_of(program, files.program);
   if (const auto beyond = cutting.beyond_reach(path)) throw RangeError(files.piece + ": " + *beyond);
   observations_ = observations_of({piece_, measured_, path, chain, cutting.known()});
   // The job's covariates end here; their values stand in the readings.

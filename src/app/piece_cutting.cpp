@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "app/program_reading.h"
 #include "app/table_folder.h"
 #include "app/text_table.h"
 #include "compensation/controller.h"
@@ -107,21 +108,21 @@ std::optional<std::string> PieceCutting::beyond_reach(std::span<const ToolPositi
   return std::nullopt;
 }
 
-ScanSettings PieceCutting::scan_settings() const {
-  ScanSettings scan{.work_offsets_mm = setup_.job.work_offsets_mm, .tcp = setup_.machine.tcp == "on"};
-  scan.letters[kTilt] = setup_.machine.tilt_letter();
-  if (setup_.tip_in_w) scan.tcp = scan.tcp_forced = true;
+ScanSettings PieceCutting::scan() const {
+  ScanSettings scan = scan_settings(setup_.dialect, setup_.machine, setup_.chain, setup_.job);
+  if (setup_.planned && !dialect(setup_.dialect).says_tcp) scan.tcp = scan.tcp_forced = true;
   return scan;
 }
 
 std::vector<ToolPosition> PieceCutting::path_of(const std::string& program, const std::string& name) const {
   const KinematicChain& chain = setup_.chain;
-  const ScanSettings scan = scan_settings();
   const ModelField field(setup_.model, setup_.job.covariates, stroke(setup_.machine));
-  const Corrector nominal(chain, field, settings(setup_, scan.tcp ? ToolCentrePoint::on : ToolCentrePoint::off));
+  const Corrector in_w(chain, field, settings(setup_, ToolCentrePoint::on));
+  const Corrector in_r(chain, field, settings(setup_, ToolCentrePoint::off));
   const Eigen::Isometry3d cone_from_w = w_from_cone(setup_.piece.cone).inverse(Eigen::Isometry);
   std::vector<ToolPosition> path;
-  for (const PlayedPlace& place : played_places(opened(program), scan, kStep_mm, kStep_deg)) {
+  for (const PlayedPlace& place : played_places(opened(program), scan(), kStep_mm, kStep_deg, setup_.dialect)) {
+    const Corrector& nominal = place.tcp ? in_w : in_r;
     const Commanded commanded{{place.at[0], place.at[1], place.at[2]},
                               {Angle::degrees(place.at[kTilt]), Angle::degrees(place.at[kTurn])}};
     ToolPosition p{.at = commanded.rotary, .tip_r_mm = nominal.nominal_tip_r(commanded)};
@@ -144,7 +145,8 @@ std::string PieceCutting::corrected(const std::string& program, const std::strin
   const Corrector with_tcp(setup_.chain, field, settings(setup_, ToolCentrePoint::on));
   const Corrector without_tcp(setup_.chain, field, settings(setup_, ToolCentrePoint::off));
   ProgramCorrection how;
-  how.scan = scan_settings();
+  how.dialect = setup_.dialect;
+  how.scan = scan();
   how.guard = guard_of(setup_.machine);
   how.name = name;
   how.header = "machine " + setup_.machine.name + ", serial " + setup_.machine.serial;

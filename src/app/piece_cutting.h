@@ -18,7 +18,8 @@ struct CuttingSetup {
   const TestPiece& piece;
   const KinematicChain& chain;
   const Job& job;
-  bool tip_in_w = false;  ///< its programs carry the tip in W, whatever the machine file says of others
+  std::string dialect = "linuxcnc";  ///< of its programs
+  bool planned = false;  ///< they are planned here: the tip is held, whatever the machine file says of others
 };
 
 /// Where the commands of a test piece bring the tool, by whichever way they are given: a program's text, or a path
@@ -29,6 +30,8 @@ class PieceCutting {
   PieceCutting(const PieceCutting&) = delete;
   PieceCutting& operator=(const PieceCutting&) = delete;
 
+  /// How programs of the piece are read.
+  ScanSettings scan() const;
   /// What the job tells of the moment; `time_s` is that of the beginning.
   const Situation& known() const { return known_; }
 
@@ -53,8 +56,6 @@ class PieceCutting {
   }
 
  private:
-  ScanSettings scan_settings() const;
-
   CuttingSetup setup_;
   Situation known_;
   std::vector<std::string> names_;  ///< of the job's covariates, to which known_ points

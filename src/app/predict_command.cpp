@@ -10,6 +10,7 @@
 #include "app/command.h"
 #include "app/piece_cutting.h"
 #include "app/prediction_text.h"
+#include "app/program_reading.h"
 #include "app/text_table.h"
 #include "error.h"
 #include "io/machine_file.h"
@@ -18,8 +19,9 @@
 #include "io/piece_file.h"
 #include "io/provenance.h"
 #include "io/text_file.h"
+#include "postproc/dialect.h"
+#include "postproc/piece_program.h"
 #include "testpiece/part_view.h"
-#include "testpiece/piece_program.h"
 #include "testpiece/piece_solid.h"
 #include "testpiece/plots.h"
 
@@ -29,7 +31,7 @@ namespace {
 constexpr int kViewHeights = 21;
 
 struct Options {
-  std::string machine, model, piece, program, job, measured, tables, output;
+  std::string machine, model, piece, program, dialect, job, measured, tables, output;
   bool corrected = false, first_order = false, sensitivity = false;
   double filter_upr = 0, magnify = 0;
   int draws = 2000;
@@ -49,7 +51,9 @@ class Prediction {
         surface_(evaluated_surface(piece_)),
         output_(o_.output, inputs()),
         job_(o_.job.empty() ? Job{} : read_job(o_.job)),
-        cutting_({machine_, model_, piece_, chain_, job_, o_.program.empty()}),
+        program_(o_.program.empty() ? "" : read_text(o_.program)),
+        dialect_(dialect_of_programs()),
+        cutting_({machine_, model_, piece_, chain_, job_, dialect_, o_.program.empty()}),
         brep_(brep_module()) {
     if (o_.filter_upr > 0) evaluation_.filter_upr = o_.filter_upr;
     if (!o_.measured.empty()) measured_ = traces_of(read_measured_piece(o_.measured, piece_), piece_);
@@ -89,11 +93,27 @@ class Prediction {
     if (o_.program.empty()) {
       path_ = flank_milling_path(piece_, chain_, {.steps_per_turn = o_.steps},
                                  brep_.empty() ? Rulings() : solid_rulings(piece_, brep_));
-      program_ = piece_program(piece_, path_, machine_.tilt_letter());
+      program_ = planned_program();
     } else {
-      program_ = read_text(o_.program);
       path_ = cutting_.path_of(program_, o_.program);
     }
+  }
+
+  /// Of the program given, or of the one to be written: LinuxCNC's where the machine's control has none of its own.
+  std::string dialect_of_programs() const {
+    if (!o_.dialect.empty()) return o_.dialect;
+    const std::string told = dialect_of(program_, machine_);
+    if (told.empty() && !o_.program.empty())
+      throw UsageError(o_.program +
+                       ": its dialect is not told by the program nor by the machine's controller; --dialect is wanted");
+    return told.empty() ? "linuxcnc" : told;
+  }
+
+  std::string planned_program() const {
+    PieceProgramStyle style{dialect_, machine_.tilt_letter(), cutting_.scan().control, machine_.turn().modulo};
+    if (const auto g54 = job_.work_offsets_mm.find("G54"); g54 != job_.work_offsets_mm.end())
+      style.work_offset_mm = Eigen::Vector3d(g54->second.data());
+    return piece_program(piece_, path_, chain_, style);
   }
 
   std::vector<double> deviation_mm(const TestPiece& piece, const SurfaceGrid& surface,
@@ -152,8 +172,9 @@ class Prediction {
   void write() {
     output_.add("deviations.csv", deviations_text(surface_, pieces_, asked()));
     if (!flanks_.empty()) output_.add("flank.csv", flank_text(flank_, flanks_));
-    if (o_.program.empty()) output_.add("program.ngc", program_);
-    if (o_.corrected) output_.add("program_corrected.ngc", corrected_program_);
+    const std::string suffix(dialect(dialect_).suffix);
+    if (o_.program.empty()) output_.add("program" + suffix, program_);
+    if (o_.corrected) output_.add("program_corrected" + suffix, corrected_program_);
     if (!brep_.empty())
       output_.add("part.step", piece_step(piece_, brep_));
     else
@@ -203,6 +224,7 @@ class Prediction {
                 {"machine", {{"name", machine_.name}, {"serial", machine_.serial}}},
                 {"piece", piece_json(piece_)},
                 {"method", o_.first_order ? "first order" : "envelope"},
+                {"dialect", dialect_},
                 {"positions", path_.size()},
                 {"notes", notes_}};
     summary_.update(provenance_json(inputs()));
@@ -233,11 +255,12 @@ class Prediction {
   SurfaceGrid surface_;
   OutputFolder output_;
   Job job_;
+  std::string program_, dialect_;
   PieceCutting cutting_;
   std::string brep_;  ///< the solid modeller; empty: none
   EvaluationOptions evaluation_;
   std::vector<ToolPosition> path_;
-  std::string program_, corrected_program_;
+  std::string corrected_program_;
   std::vector<PredictedPiece> pieces_;
   std::size_t asked_ = 0;
   SurfaceGrid flank_;  ///< the whole flank, and how it was cut
@@ -256,8 +279,12 @@ Command predict_command(CLI::App& program, const Talk& talk) {
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
   app->add_option("--model", o->model, "Model (JSON)")->required()->type_name("model.json")->group("Input");
   app->add_option("--piece", o->piece, "Test piece (TOML)")->required()->type_name("P.toml")->group("Input");
-  app->add_option("--program", o->program, "A program for the piece (LinuxCNC), instead of the planned path")
+  app->add_option("--program", o->program, "A program for the piece, instead of the planned path")
       ->type_name("N.nc")
+      ->group("Input");
+  app->add_option("--dialect", o->dialect,
+                  "Dialect of the program, given or written; default: told by it or by the machine's controller")
+      ->check(CLI::IsMember(dialect_names()))
       ->group("Input");
   app->add_option("--job", o->job, "Job: work offsets and covariates (TOML)")->type_name("J.toml")->group("Input");
   app->add_option("--measured", o->measured, "Evaluate a measured piece alike: phi_deg, h_mm, deviation_um (CSV)")
