@@ -222,9 +222,9 @@ json sensitivity_json(const std::vector<Sensitivity>& found, const BetterPiece& 
 
 std::string sensitivity_text(const std::vector<Sensitivity>& found, const BetterPiece& better) {
   std::string text =
-      padded("error", 12) + "    amount       LSC by height, um          centre um   size um  tilt urad\n";
+      padded("error", 18) + "    amount       LSC by height, um          centre um   size um  tilt urad\n";
   for (const Sensitivity& s : found) {
-    text += padded(s.error, 12) + fixed(s.amount, 6, 0) + " " + padded(std::string(unit_text(s.unit).text), 5);
+    text += padded(s.error, 18) + fixed(s.amount, 6, 0) + " " + padded(std::string(unit_text(s.unit).text), 5);
     std::string roundness;
     for (const HeightEvaluation& at : s.shown.heights) roundness += fixed(1e3 * at.lsc_mm, 8, 2);
     text += padded(roundness, 28) + fixed(1e3 * s.shown.heights.front().center_mm.norm(), 9, 2) +

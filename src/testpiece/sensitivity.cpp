@@ -45,6 +45,11 @@ class Bench {
 
   Angle steepest() const { return steepest_; }
   std::span<const ToolPosition> path() const { return path_; }
+  std::vector<Situation> situations() const {
+    std::vector<Situation> all;
+    for (const ToolPosition& p : path_) all.push_back(situation_at(p, piece_.tool.length));
+    return all;
+  }
 
   /// Component `k` of the tilting axis or of C, `amount` times `shape` of the position.
   Sensitivity of(const std::string& name, bool of_turning_axis, std::size_t k,
@@ -96,6 +101,43 @@ class Bench {
   Angle steepest_;
 };
 
+/// EXX X, EYX X^2, EAX X: what moves, over the axis along which it grows. Squarenesses have their symbol, a backlash
+/// its effect's name.
+std::string motion_name(const Effect& effect, std::size_t k) {
+  const std::string id = effect.id(), family = id.substr(0, id.find(':'));
+  if (family == "linear_backlash") return id;
+  if (family == "squareness") return effect.parameters()[k].name;
+  const std::string symbol = family == "linear_scale" ? effect.parameters()[k].name : id.substr(id.find(':') + 1);
+  return symbol + " " + symbol.back() + (family == "straightness" ? (k == 0 ? "^2" : "^3") : "");
+}
+
+/// The errors of the linear axes, one parameter after another: squarenesses and reversals of the given amount, motions
+/// so large that they reach it somewhere on the path.
+std::vector<Sensitivity> of_linear_axes(const Bench& bench, const EffectContext& context,
+                                        const SensitivityOptions& options) {
+  const std::vector<Situation> path = bench.situations();
+  std::vector<Sensitivity> found;
+  for (const char* family : {"squareness", "linear_scale", "straightness", "linear_angular", "linear_backlash"})
+    for (const EffectPtr& effect : family_of(family).candidates({.context = context, .readings = path}))
+      for (std::size_t k = 0; k < effect->parameters().size(); ++k) {
+        double way = 0, turn = 0;
+        for (const Situation& s : path) {
+          const Vector6d moved = effect->basis(s).col(static_cast<Eigen::Index>(k));
+          way = std::max(way, moved.head<3>().norm());
+          turn = std::max(turn, moved.tail<3>().norm());
+        }
+        const Unit unit = effect->parameters()[k].unit;
+        const bool turns = unit == Unit::urad || turn > 0;
+        const double amount = turns ? options.angle.in_radians() : options.length.in_millimetres();
+        const double per_parameter = unit == Unit::urad || unit == Unit::um ? 1 : turns ? turn : way;
+        Eigen::VectorXd parameters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(effect->parameters().size()));
+        if (per_parameter > 0) parameters[static_cast<Eigen::Index>(k)] = amount / per_parameter;
+        found.push_back(bench.of(motion_name(*effect, k), amount, turns ? Unit::urad : Unit::um,
+                                 effect->with_parameters(parameters, {})));
+      }
+  return found;
+}
+
 double largest_lsc_mm(const Sensitivity& s) {
   double most = 0;
   for (const HeightEvaluation& at : s.shown.heights) most = std::max(most, at.lsc_mm);
@@ -130,6 +172,7 @@ std::vector<Sensitivity> sensitivities(const TestPiece& piece, const EffectConte
   for (const EffectPtr& backlash : family_of("backlash").candidates({.context = context}))
     found.push_back(bench.of(backlash->id(), amount, Unit::urad,
                              backlash->with_parameters(Eigen::VectorXd::Constant(1, amount), {})));
+  for (Sensitivity& linear : of_linear_axes(bench, context, options)) found.push_back(std::move(linear));
   return found;
 }
 

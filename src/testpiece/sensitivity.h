@@ -31,7 +31,9 @@ struct SensitivityOptions {
 
 /// What the piece shows of each of the eight location errors, and of each error motion up to order 3 by itself: of the
 /// tilting axis its powers 1 to 3, scaled to `amount` at the steepest tilt of the path; of C the harmonics 1 to 3,
-/// cosine and sine; and of the backlash of either rotary axis. All relative to the reference pose, to first order.
+/// cosine and sine; and of the backlash of either rotary axis. Of the linear axes likewise: squarenesses, scale (order
+/// 1), straightness (2 and 3), pitch, yaw and roll (1), reversals; each motion reaches `amount` somewhere on the path.
+/// All relative to the reference pose, to first order.
 std::vector<Sensitivity> sensitivities(const TestPiece& piece, const EffectContext& context,
                                        const SensitivityOptions& options = {});
 

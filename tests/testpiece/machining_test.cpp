@@ -108,6 +108,25 @@ TEST(Machining, AgreesWithAnIndependentCutForSmoothErrors) {
   }
 }
 
+/// A bull-nose and a ball whose round ends stand just below the flank, or reach into it.
+TEST(Machining, AgreesWithAnIndependentCutForRoundedToolsOnASmoothMachine) {
+  const testing::VirtualMachine machine = testing::smooth_machine(4);
+  const Model model = model_of(machine);
+  for (const double corner : {3.0, 10.0})
+    for (const double overhang : {corner - 1, corner + 0.5}) {
+      TestPiece piece = few_points(15, 10);
+      piece.tool.corner_radius = Length::millimetres(corner);
+      piece.tool.overhang = Length::millimetres(overhang);
+      piece.heights = {Length::millimetres(0.2), Length::millimetres(10)};
+      const Setting s = setting(piece);
+      const std::vector<double> cut =
+          envelope_deviation_mm(piece, s.surface, actual_tools(s.path, s.chain, model, Length()));
+      EXPECT_LT(largest_difference(cut, cut_by_brute_force(machine, s)), kIndependent_mm)
+          << "corner " << corner << ", overhang " << overhang;
+      EXPECT_GT(largest(cut), overhang < corner ? 0.02 : 5e-3);
+    }
+}
+
 TEST(Machining, FirstOrderIsEnoughForSmoothErrors) {
   const testing::SmoothMachineOptions fair{
       .translation_mm = 1e-3, .rotation_rad = 5e-6, .location_mm = 3e-3, .location_rad = 10e-6};

@@ -108,7 +108,7 @@ TEST(Sensitivities, OfErrorMotionsAreThePublishedOnes) {
   EXPECT_NEAR(middle("EBC sin C"), .65, kTwoDigits);
   EXPECT_NEAR(middle("ECC cos C"), 1.0, kTwoDigits);
   EXPECT_NEAR(middle("ECC cos 2C"), 1.2, kTwoDigits);
-  EXPECT_EQ(found.size(), 8 + 6 * 3 + 6 * 6 + 2);
+  EXPECT_EQ(found.size(), 8 + 6 * 3 + 6 * 6 + 2 + (3 + 3 + 6 * 2 + 9 + 3));  // the last of the linear axes
 }
 
 TEST(Sensitivities, OfBacklashAreStepsWhereAnAxisReverses) {
@@ -139,6 +139,53 @@ std::vector<ConeTrace> shown_traces(const TestPiece& piece, const std::function<
 ConeEvaluation shown(const std::function<RotaryErrors(IndexedPosition)>& errors, bool from_reference = true) {
   const TestPiece piece = usual_piece(15, 10);
   return evaluate_cone(shown_traces(piece, errors, from_reference), piece.cone.half_angle);
+}
+
+/// The roundness in mid-height of a piece cut with tip errors that are told as a function of the tip in R.
+double shown_lsc_mm(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& moved) {
+  const TestPiece piece = usual_piece(15, 10);
+  const KinematicChain chain(trunnion_machine());
+  const Model model{.effects = {std::make_shared<FunctionEffect>(
+                        [=](const Situation& s) { return PoseError{.translation_mm = moved(s.point_r_mm)}; })}};
+  const auto path = flank_milling_path(piece, chain, {.steps_per_turn = 360});
+  const SurfaceGrid surface = evaluated_surface(piece);
+  return evaluate_cone(
+             traces_of(piece, surface,
+                       first_order_deviation_mm(piece, surface, path, actual_tools(path, chain, model, Length()))),
+             piece.cone.half_angle)
+      .heights[1]
+      .lsc_mm;
+}
+
+TEST(Sensitivities, OfLinearAxesReachTheirAmountOnThePath) {
+  const auto found = by_name(usual_piece(15, 10));
+  Eigen::Vector3d most = Eigen::Vector3d::Zero();
+  for (const ToolPosition& p : flank_milling_path(usual_piece(15, 10), KinematicChain(trunnion_machine())))
+    most = most.cwiseMax(p.tip_r_mm.cwiseAbs());
+  constexpr double kSampling_mm = 1e-6;  // the path's extreme is met to a degree of phi
+  using Eigen::Vector3d;
+  const std::map<std::string, std::function<Vector3d(const Vector3d&)>> motions = {
+      {"EXX X", [&](const Vector3d& p) { return Vector3d(-10e-3 * p.x() / most.x(), 0, 0); }},
+      {"EYY Y", [&](const Vector3d& p) { return Vector3d(0, -10e-3 * p.y() / most.y(), 0); }},
+      {"EYX X^2", [&](const Vector3d& p) { return Vector3d(0, -10e-3 * std::pow(p.x() / most.x(), 2), 0); }},
+      {"EXY Y^3", [&](const Vector3d& p) { return Vector3d(-10e-3 * std::pow(p.y() / most.y(), 3), 0, 0); }},
+      {"EC0Y", [&](const Vector3d& p) { return Vector3d(-50e-6 * p.y(), 0, 0); }},
+      {"EA0Z", [&](const Vector3d& p) { return Vector3d(0, 50e-6 * p.z(), 0); }}};
+  for (const auto& [name, moved] : motions) {
+    EXPECT_NEAR(found.at(name).shown.heights[1].lsc_mm, shown_lsc_mm(moved), kSampling_mm) << name;
+    EXPECT_GT(shown_lsc_mm(moved), 0.2e-3) << name;
+  }
+  EXPECT_EQ(found.at("EAX X").amount, 50);
+  EXPECT_EQ(found.at("EAX X").unit, Unit::urad);
+  EXPECT_EQ(found.at("linear_backlash:X").unit, Unit::um);
+  EXPECT_TRUE(found.at("linear_backlash:X").seen_in_roundness());
+}
+
+/// The tool stands along Z: what Z does wrong moves it along itself.
+TEST(Sensitivities, OfMotionsAlongTheToolAreNone) {
+  const auto found = by_name(usual_piece(15, 10));
+  for (const char* name : {"EZZ Z", "EZX X^2", "EZX X^3", "EZY Y^2", "EZY Y^3", "linear_backlash:Z"})
+    EXPECT_TRUE(found.at(name).seen_in.empty()) << name;
 }
 
 RotaryErrors of_c(double ex_um, double ey_um, double eb_urad = 0) {
