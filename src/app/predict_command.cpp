@@ -187,16 +187,18 @@ class Prediction {
   }
 
   void draw_roundness() {
+    const std::string filtered =
+        evaluation_.filter_upr ? ", " + formatted("%g", *evaluation_.filter_upr) + " UPR filter" : "";
     for (std::size_t j = 0; j < surface_.h_mm.size(); ++j) {
       std::vector<PolarCurve> curves;
       for (const PredictedPiece& p : pieces_)
-        curves.push_back(
-            {p.name, radial_trace(traces_of(piece_, surface_, p.deviation_mm)[j], piece_.cone.half_angle)});
+        curves.push_back({p.name, radial_trace(traces_of(piece_, surface_, p.deviation_mm)[j], piece_.cone.half_angle,
+                                               evaluation_)});
       for (const ConeTrace& trace : measured_)
         if (std::abs(trace.h_mm - surface_.h_mm[j]) < 1e-6)
-          curves.push_back({"measured", radial_trace(trace, piece_.cone.half_angle)});
+          curves.push_back({"measured", radial_trace(trace, piece_.cone.half_angle, evaluation_)});
       const std::string h = formatted("%g", surface_.h_mm[j]);
-      output_.add("roundness_h" + h + ".svg", polar_plot_svg("Roundness at h = " + h + " mm", curves));
+      output_.add("roundness_h" + h + ".svg", polar_plot_svg("Roundness at h = " + h + " mm" + filtered, curves));
     }
   }
 

@@ -25,10 +25,10 @@ Value slope(const std::vector<double>& x, const std::vector<Value>& y, Value zer
 
 }  // namespace
 
-RoundnessTrace radial_trace(const ConeTrace& trace, Angle half_angle) {
+RoundnessTrace radial_trace(const ConeTrace& trace, Angle half_angle, const EvaluationOptions& options) {
   RoundnessTrace radial{trace.nominal_radius_mm, trace.phi_rad, trace.normal_mm};
   for (double& r : radial.radial_mm) r /= std::cos(half_angle.in_radians());
-  return radial;
+  return options.filter_upr ? gaussian_filtered(radial, *options.filter_upr) : radial;
 }
 
 ConeEvaluation evaluate_cone(std::span<const ConeTrace> traces, Angle nominal_half_angle,
@@ -39,12 +39,10 @@ ConeEvaluation evaluate_cone(std::span<const ConeTrace> traces, Angle nominal_ha
   std::size_t count = 0;
   std::vector<ConeTrace> evaluated(traces.begin(), traces.end());
   for (ConeTrace& trace : evaluated) {
-    RoundnessTrace radial = radial_trace(trace, nominal_half_angle);
-    if (options.filter_upr) {
-      radial = gaussian_filtered(radial, *options.filter_upr);
+    const RoundnessTrace radial = radial_trace(trace, nominal_half_angle, options);
+    if (options.filter_upr)
       for (std::size_t i = 0; i < radial.radial_mm.size(); ++i)
         trace.normal_mm[i] = std::cos(nominal_half_angle.in_radians()) * radial.radial_mm[i];
-    }
     const ReferenceCircle lsc = least_squares_circle(radial);
     result.heights.push_back({.h_mm = trace.h_mm,
                               .lsc_mm = lsc.roundness_mm,

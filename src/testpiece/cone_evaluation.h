@@ -18,8 +18,13 @@ struct ConeTrace {
   std::vector<double> normal_mm;  ///< positive: excess material
 };
 
-/// In the plane square to the axis a deviation along the normal is seen as normal / cos(half angle).
-RoundnessTrace radial_trace(const ConeTrace& trace, Angle half_angle);
+struct EvaluationOptions {
+  std::optional<double> filter_upr;  ///< Gaussian cutoff before the circles are fitted
+};
+
+/// In the plane square to the axis a deviation along the normal is seen as normal / cos(half angle); filtered if asked
+/// for: what the circles are fitted to.
+RoundnessTrace radial_trace(const ConeTrace& trace, Angle half_angle, const EvaluationOptions& options = {});
 
 struct HeightEvaluation {
   double h_mm = 0;
@@ -37,10 +42,6 @@ struct ConeEvaluation {
   std::optional<double> conicity_mm;             ///< diameter at the lowest less at the highest height, less nominal
   double form_mm = 0;  ///< largest less smallest deviation from the best fitting cone (fit_flank)
   double rms_mm = 0;   ///< of all deviations along the normal
-};
-
-struct EvaluationOptions {
-  std::optional<double> filter_upr;  ///< Gaussian cutoff before the circles are fitted
 };
 
 /// Throws InputError for no trace at all, or a trace that RoundnessTrace does not allow.

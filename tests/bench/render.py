@@ -7,7 +7,7 @@ import sys
 
 GROUPS = {"machine": "The machine itself", "deviations": "Deviations at positions in no order, one core",
           "baking": "Preparing", "identification": "330 touches to error maps, in process",
-          "reading": "Reading", "closure": "Closing the loop",
+          "reading": "Reading", "closure": "Closing the loop", "piece": "The test piece, all processors",
           "correct regular": "Correcting a regular program, file to file",
           "correct irregular": "Correcting an irregular program, file to file"}
 # (group, the fast one, begins with; the other, begins with; wanted)
@@ -17,7 +17,8 @@ RATIOS = [("deviations", "baked map", "scipy", 10),
 # (group, begins with, items a second wanted)
 WANTED = [("deviations", "baked map", 1e7)]
 # (group, begins with, ms at most)
-AT_MOST = [("identification", "joint fit", 3), ("closure", "657 touches, a backlash", 1000)]
+AT_MOST = [("identification", "joint fit", 3), ("closure", "657 touches, a backlash", 1000),
+           ("piece", "envelope, a million rays", 20000), ("piece", "10 000 Monte Carlo draws", 30000)]
 KNOWN = {"name", "run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations", "real_time",
          "cpu_time", "time_unit", "items_per_second", "bytes_per_second", "family_index", "per_family_instance_index",
          "repetition_index", "aggregate_name", "aggregate_unit"}

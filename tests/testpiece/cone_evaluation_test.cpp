@@ -78,6 +78,9 @@ TEST(ConeEvaluation, TheFilterTakesShortWavesOffBeforeTheCirclesAreFitted) {
   EXPECT_NEAR(unfiltered, 2e-3 / std::cos(kHalfAngle.in_radians()), 1e-7);
   EXPECT_NEAR(evaluate_cone(short_waves, kHalfAngle, {.filter_upr = 60}).heights[0].lsc_mm, unfiltered / 2, 1e-7);
   EXPECT_LT(evaluate_cone(short_waves, kHalfAngle, {.filter_upr = 15}).heights[0].lsc_mm, 1e-7);
+  // What is drawn is what is judged.
+  EXPECT_EQ(least_squares_circle(radial_trace(short_waves[0], kHalfAngle, {.filter_upr = 60})).roundness_mm,
+            evaluate_cone(short_waves, kHalfAngle, {.filter_upr = 60}).heights[0].lsc_mm);
 }
 
 /// The normal deviation of a cone that was really displaced: turned and shifted points, seen along the nominal normal.
