@@ -41,7 +41,23 @@ CorrectionSettings settings(const CuttingSetup& setup, ToolCentrePoint tcp) {
           .tool_length_mm = setup.piece.tool.length.in_millimetres()};
 }
 
-/// Changes a path position by position.
+/// Of each line of a corrected program, the line of the original that it stands for, both counted from 1.
+std::vector<std::uint64_t> original_lines(const std::string& corrected, const ProgramCorrectionResult& result) {
+  const auto lines = static_cast<std::size_t>(std::ranges::count(corrected, '\n')) + 1;
+  std::vector<std::uint64_t> original = {0};
+  auto insertion = result.inserted.begin();
+  for (std::uint64_t number = 1; original.size() <= lines; ++number) {
+    if (original.size() == result.header_line) original.push_back(number);
+    original.push_back(number);
+    if (insertion == result.inserted.end() || insertion->line != number) continue;
+    original.insert(original.end(), insertion->count, number);
+    ++insertion;
+  }
+  return original;
+}
+
+/// Changes a path position by position. Senses of motion stay those that it means: a correction's own steps to and fro
+/// are smaller than what an axis loses, and `correct` reckons alike.
 template <class Correction>
 std::vector<ToolPosition> recommanded(const CuttingSetup& setup, std::vector<ToolPosition> path, Correction of) {
   const Eigen::Vector3d gauge(0, 0, -setup.piece.tool.length.in_millimetres());
@@ -52,7 +68,6 @@ std::vector<ToolPosition> recommanded(const CuttingSetup& setup, std::vector<Too
     p.tip_r_mm += correction.linear_mm + (setup.chain.r_from_t(to) * gauge - setup.chain.r_from_t(p.at) * gauge);
     p.at = to;
   }
-  set_senses(path, setup.chain, setup.piece.tool.length);
   return path;
 }
 
@@ -73,7 +88,8 @@ std::vector<std::string> PieceCutting::unknown_moments() const {
   std::vector<std::string> notes;
   for (const std::string& column : needed_covariates(setup_.model)) {
     const bool timed = column == "time_s" && setup_.piece.feed_mm_per_min;
-    if (column == tilt_dir || column == "C_dir" || timed || setup_.job.covariates.contains(column)) continue;
+    const bool sense = column.size() == 5 && column.ends_with("_dir") && column[0] >= 'X' && column[0] <= 'Z';
+    if (sense || column == tilt_dir || column == "C_dir" || timed || setup_.job.covariates.contains(column)) continue;
     notes.push_back("effects of " + column + " stand at their zero: the piece does not tell it" +
                     (column == "time_s" ? " (path.feed_mm_per_min would)" : ""));
   }
@@ -114,13 +130,13 @@ ScanSettings PieceCutting::scan() const {
   return scan;
 }
 
-std::vector<ToolPosition> PieceCutting::path_of(const std::string& program, const std::string& name) const {
+PieceCutting::ReadPath PieceCutting::read(const std::string& program, const std::string& name) const {
   const KinematicChain& chain = setup_.chain;
   const ModelField field(setup_.model, setup_.job.covariates, stroke(setup_.machine));
   const Corrector in_w(chain, field, settings(setup_, ToolCentrePoint::on));
   const Corrector in_r(chain, field, settings(setup_, ToolCentrePoint::off));
   const Eigen::Isometry3d cone_from_w = w_from_cone(setup_.piece.cone).inverse(Eigen::Isometry);
-  std::vector<ToolPosition> path;
+  ReadPath read;
   for (const PlayedPlace& place : played_places(opened(program), scan(), kStep_mm, kStep_deg, setup_.dialect)) {
     const Corrector& nominal = place.tcp ? in_w : in_r;
     const Commanded commanded{{place.at[0], place.at[1], place.at[2]},
@@ -132,15 +148,16 @@ std::vector<ToolPosition> PieceCutting::path_of(const std::string& program, cons
     const Eigen::Vector3d in_cone =
         cone_from_w * (p.nominal.tip_w_mm + setup_.piece.tool.overhang.in_millimetres() * p.nominal.axis_w);
     p.phi_rad = std::atan2(in_cone.y(), in_cone.x());
-    path.push_back(p);
+    read.path.push_back(p);
+    read.line.push_back(place.line);
   }
-  if (path.empty()) throw InputError(name, "no block that moves at feed with every axis known");
-  set_senses(path, chain, setup_.piece.tool.length);
-  set_times(path, setup_.piece);
-  return path;
+  if (read.path.empty()) throw InputError(name, "no block that moves at feed with every axis known");
+  set_senses(read.path, chain, setup_.piece.tool.length);
+  set_times(read.path, setup_.piece);
+  return read;
 }
 
-std::string PieceCutting::corrected(const std::string& program, const std::string& name) const {
+CorrectedPieceProgram PieceCutting::corrected(const std::string& program, const std::string& name) const {
   const ModelField field(setup_.model, setup_.job.covariates, stroke(setup_.machine));
   const Corrector with_tcp(setup_.chain, field, settings(setup_, ToolCentrePoint::on));
   const Corrector without_tcp(setup_.chain, field, settings(setup_, ToolCentrePoint::off));
@@ -150,10 +167,23 @@ std::string PieceCutting::corrected(const std::string& program, const std::strin
   how.guard = guard_of(setup_.machine);
   how.name = name;
   how.header = "machine " + setup_.machine.name + ", serial " + setup_.machine.serial;
-  std::string text;
-  correct_program(
-      opened(program), [&](std::string_view part) { text += part; }, with_tcp, without_tcp, how);
-  return text;
+  how.keep_insertions = true;
+  CorrectedPieceProgram corrected;
+  const ProgramCorrectionResult result = correct_program(
+      opened(program), [&](std::string_view part) { corrected.text += part; }, with_tcp, without_tcp, how);
+
+  ReadPath sent = read(corrected.text, name + ", corrected");
+  const ReadPath meant = read(program, name);
+  const std::vector<std::uint64_t> original = original_lines(corrected.text, result);
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < sent.path.size(); ++i) {
+    while (at + 1 < meant.path.size() && meant.line[at + 1] <= original[sent.line[i]]) ++at;
+    sent.path[i].linear_sense = meant.path[at].linear_sense;
+    sent.path[i].tilt_sense = meant.path[at].tilt_sense;
+    sent.path[i].turn_sense = meant.path[at].turn_sense;
+  }
+  corrected.path = std::move(sent.path);
+  return corrected;
 }
 
 std::vector<ToolPosition> PieceCutting::under_tables(const std::vector<ToolPosition>& path,

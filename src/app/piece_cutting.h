@@ -22,6 +22,13 @@ struct CuttingSetup {
   bool planned = false;  ///< they are planned here: the tip is held, whatever the machine file says of others
 };
 
+/// A corrected program, and where it puts the tool, read from its text; the senses of motion are those of the program
+/// that was corrected.
+struct CorrectedPieceProgram {
+  std::string text;
+  std::vector<ToolPosition> path;
+};
+
 /// Where the commands of a test piece bring the tool, by whichever way they are given: a program's text, or a path
 /// under a compensation. What it was given must outlive it.
 class PieceCutting {
@@ -42,9 +49,11 @@ class PieceCutting {
 
   /// Where a program puts the tool, read from its text; `name` stands for it in messages. Time runs by the piece's
   /// feed. Throws InputError for one that never moves at feed with every axis known.
-  std::vector<ToolPosition> path_of(const std::string& program, const std::string& name) const;
-  /// The text that `trunnion correct` would write.
-  std::string corrected(const std::string& program, const std::string& name) const;
+  std::vector<ToolPosition> path_of(const std::string& program, const std::string& name) const {
+    return read(program, name).path;
+  }
+  /// What `trunnion correct` would write.
+  CorrectedPieceProgram corrected(const std::string& program, const std::string& name) const;
 
   /// A path as the tables of a folder change it, read back and played on the control that its verification names.
   std::vector<ToolPosition> under_tables(const std::vector<ToolPosition>& path, const std::string& folder) const;
@@ -56,6 +65,12 @@ class PieceCutting {
   }
 
  private:
+  struct ReadPath {
+    std::vector<ToolPosition> path;
+    std::vector<std::uint64_t> line;  ///< of the program, one a position
+  };
+  ReadPath read(const std::string& program, const std::string& name) const;
+
   CuttingSetup setup_;
   Situation known_;
   std::vector<std::string> names_;  ///< of the job's covariates, to which known_ points

@@ -69,9 +69,9 @@ class Prediction {
     cut("uncompensated", path_);
     if (!o_.tables.empty()) cut("tables", cutting_.under_tables(path_, o_.tables));
     if (o_.corrected) {
-      corrected_program_ = cutting_.corrected(program_, o_.program.empty() ? "the planned program" : o_.program);
+      corrected_ = cutting_.corrected(program_, o_.program.empty() ? "the planned program" : o_.program);
       asked_ = pieces_.size();
-      cut("corrected", cutting_.path_of(corrected_program_, "the corrected program"));
+      cut("corrected", corrected_.path);
     }
     if (pieces_.size() > 1) cut("ideal", cutting_.ideally_corrected(path_));
     spread();
@@ -174,7 +174,7 @@ class Prediction {
     if (!flanks_.empty()) output_.add("flank.csv", flank_text(flank_, flanks_));
     const std::string suffix(dialect(dialect_).suffix);
     if (o_.program.empty()) output_.add("program" + suffix, program_);
-    if (o_.corrected) output_.add("program_corrected" + suffix, corrected_program_);
+    if (o_.corrected) output_.add("program_corrected" + suffix, corrected_.text);
     if (!brep_.empty())
       output_.add("part.step", piece_step(piece_, brep_));
     else
@@ -262,7 +262,7 @@ class Prediction {
   std::string brep_;  ///< the solid modeller; empty: none
   EvaluationOptions evaluation_;
   std::vector<ToolPosition> path_;
-  std::string corrected_program_;
+  CorrectedPieceProgram corrected_;
   std::vector<PredictedPiece> pieces_;
   std::size_t asked_ = 0;
   SurfaceGrid flank_;  ///< the whole flank, and how it was cut
