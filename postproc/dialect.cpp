@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 const Dialect kDialects[] = {
-    {"linuxcnc", {}, linuxcnc_scanner, false, "linuxcnc", ".ngc"},
+    {"linuxcnc", {}, linuxcnc_scanner, false, "linuxcnc"},
     {"fanuc",
      {.semicolon_ends_block = true, .point_always = true, .feed_over_all_axes = true},
      fanuc_scanner,

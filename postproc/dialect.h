@@ -28,8 +28,8 @@ struct Dialect {
   std::unique_ptr<ProgramScanner> (*scanner)(const ScanSettings&);
   /// Whether its programs say where tool-centre-point control is on: then it is off at their begin.
   bool says_tcp = false;
-  std::string_view controller;  ///< of the machine file, whose programs are these
-  std::string_view suffix;      ///< of its programs' files
+  std::string_view controller;       ///< of the machine file, whose programs are these
+  std::string_view suffix = ".ngc";  ///< of its programs' files
 };
 
 /// Throws UsageError for a name that is none.

@@ -19,7 +19,8 @@
 namespace trunnion {
 namespace {
 
-constexpr double kStep_mm = 0.1, kStep_deg = 0.1;  ///< between two positions of a program's path
+constexpr double kStep_mm = 0.1, kStep_deg = 0.1;         ///< between two positions of a program's path
+constexpr Length kRoundedWords = Length::micrometres(2);  ///< three decimals of a length, and of an angle on 0.1 m
 
 OpenProgram opened(const std::string& text) {
   return [&text] {
@@ -152,7 +153,7 @@ PieceCutting::ReadPath PieceCutting::read(const std::string& program, const std:
     read.line.push_back(place.line);
   }
   if (read.path.empty()) throw InputError(name, "no block that moves at feed with every axis known");
-  set_senses(read.path, chain, setup_.piece.tool.length);
+  set_senses(read.path, chain, setup_.piece.tool.length, kRoundedWords);
   set_times(read.path, setup_.piece);
   return read;
 }

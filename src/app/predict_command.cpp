@@ -30,6 +30,8 @@ namespace {
 
 constexpr int kViewHeights = 21;
 
+bool same_height(double a_mm, double b_mm) { return std::abs(a_mm - b_mm) < 1e-6; }
+
 struct Options {
   std::string machine, model, piece, program, dialect, job, measured, tables, output;
   bool corrected = false, first_order = false, sensitivity = false;
@@ -189,15 +191,20 @@ class Prediction {
   void draw_roundness() {
     const std::string filtered =
         evaluation_.filter_upr ? ", " + formatted("%g", *evaluation_.filter_upr) + " UPR filter" : "";
-    for (std::size_t j = 0; j < surface_.h_mm.size(); ++j) {
+    std::vector<double> heights = surface_.h_mm;  // and those that were measured besides
+    for (const ConeTrace& trace : measured_)
+      if (std::ranges::none_of(heights, [&](double h) { return same_height(h, trace.h_mm); }))
+        heights.push_back(trace.h_mm);
+    for (const double height : heights) {
       std::vector<PolarCurve> curves;
-      for (const PredictedPiece& p : pieces_)
-        curves.push_back({p.name, radial_trace(traces_of(piece_, surface_, p.deviation_mm)[j], piece_.cone.half_angle,
-                                               evaluation_)});
-      for (const ConeTrace& trace : measured_)
-        if (std::abs(trace.h_mm - surface_.h_mm[j]) < 1e-6)
-          curves.push_back({"measured", radial_trace(trace, piece_.cone.half_angle, evaluation_)});
-      const std::string h = formatted("%g", surface_.h_mm[j]);
+      const auto add = [&](const std::string& name, std::span<const ConeTrace> traces) {
+        for (const ConeTrace& trace : traces)
+          if (same_height(trace.h_mm, height))
+            curves.push_back({name, radial_trace(trace, piece_.cone.half_angle, evaluation_)});
+      };
+      for (const PredictedPiece& p : pieces_) add(p.name, traces_of(piece_, surface_, p.deviation_mm));
+      add("measured", measured_);
+      const std::string h = formatted("%g", height);
       output_.add("roundness_h" + h + ".svg", polar_plot_svg("Roundness at h = " + h + " mm" + filtered, curves));
     }
   }

@@ -107,8 +107,9 @@ Vector3d slides_mm(const KinematicChain& chain, const Vector3d& tip_r_mm, Indexe
   return tip_r_mm - chain.r_from_t(at) * Vector3d(0, 0, -tool_length.in_millimetres());
 }
 
-void set_senses(std::vector<ToolPosition>& path, const KinematicChain& chain, Length tool_length) {
-  constexpr double kStill = 1e-10;  // mm and rad: rounding, not motion
+void set_senses(std::vector<ToolPosition>& path, const KinematicChain& chain, Length tool_length, Length rounding) {
+  constexpr double kStill_rad = 1e-10;
+  const double still_mm = rounding.in_millimetres();
   const auto axes = [&](const ToolPosition& p) {
     Eigen::Matrix<double, 5, 1> q;
     q << slides_mm(chain, p.tip_r_mm, p.at, tool_length), p.at.a.in_radians(), p.at.c.in_radians();
@@ -121,7 +122,8 @@ void set_senses(std::vector<ToolPosition>& path, const KinematicChain& chain, Le
   for (std::size_t i = 1; i < path.size(); ++i) {
     const Eigen::Matrix<double, 5, 1> to = axes(path[i]);
     for (Eigen::Index k = 0; k < 5; ++k)
-      if (std::abs(to[k] - from[k]) > kStill) sense[k] = to[k] > from[k] ? 1 : -1, from[k] = to[k];
+      if (const double way = to[k] - from[k]; way * sense[k] > 0 || std::abs(way) > (k < 3 ? still_mm : kStill_rad))
+        sense[k] = way > 0 ? 1 : -1, from[k] = to[k];
     senses[i] = sense;
   }
   // Before an axis first moves it stands as if it had come the way it then goes on.

@@ -51,8 +51,10 @@ Rulings formula_rulings(const ConeFrustum& cone);
 std::vector<ToolPosition> flank_milling_path(const TestPiece& piece, const KinematicChain& chain,
                                              const PathSampling& sampling = {}, Rulings rulings = {});
 
-/// Sets the senses of motion of a path from its commands.
-void set_senses(std::vector<ToolPosition>& path, const KinematicChain& chain, Length tool_length);
+/// Sets the senses of motion of a path from its commands. A linear axis has turned about once it has come back by more
+/// than `rounding`: a program's words, rounded in W, make an axis tremble that is meant to stand still in R.
+void set_senses(std::vector<ToolPosition>& path, const KinematicChain& chain, Length tool_length,
+                Length rounding = Length::millimetres(1e-10));
 
 /// Sets the times of a path: from 0, by the piece's feed over the nominal tip's way on the workpiece; without a feed
 /// time stands still.

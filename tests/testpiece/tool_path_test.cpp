@@ -147,6 +147,21 @@ TEST(FlankMillingPath, TellsSensesOfMotionAndTime) {
   EXPECT_NEAR(path.back().time_s, way / 10, 1e-9);
 }
 
+TEST(FlankMillingPath, RoundedWordsAreNoReversals) {
+  const KinematicChain chain(trunnion_machine());
+  std::vector<ToolPosition> path;
+  for (int i = 0; i < 40; ++i) {
+    const double to_and_fro = i < 20 ? i : 40 - i;  // Y turns about in the middle; X stands, its words tremble
+    path.push_back({.tip_r_mm = {i % 2 == 0 ? 5.0 : 5.0005, 0.1 * to_and_fro, 0}});
+  }
+  set_senses(path, chain, Length(), Length::micrometres(2));
+  for (const ToolPosition& p : path) EXPECT_EQ(p.linear_sense.x(), 0);
+  EXPECT_EQ(path[20].linear_sense.y(), 1);
+  EXPECT_EQ(path[21].linear_sense.y(), -1);
+  set_senses(path, chain, Length());
+  EXPECT_EQ(path[10].linear_sense.x() * path[11].linear_sense.x(), -1);
+}
+
 TEST(FlankMillingPath, ServesEveryMachineThatCanReachIt) {
   for (const char* code : {"w C' A' Y' b X Z t", "w C' B' Y' b X Z t", "w C' X' b Y Z A t", "w b X Y Z C B t"}) {
     const KinematicChain chain(trunnion_machine(code));
