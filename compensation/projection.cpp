@@ -13,6 +13,7 @@ namespace trunnion {
 namespace {
 
 constexpr double kEngaged_mm = 20;
+const double kSteady_mm = kEngaged_mm * std::sin(5 * std::numbers::pi / 180);  // below 5 deg C hardly tilts: no peaks
 
 bool asks_for(const Effect& effect, char axis) {
   const std::string column = std::string(1, static_cast<char>(axis - 'X' + 'x')) + "_mm";
@@ -43,6 +44,13 @@ Matrix6d volume_metric(const WorkingVolume& volume) {
   }
   metric(3, 3) += kEngaged_mm * kEngaged_mm;
   metric(4, 4) += kEngaged_mm * kEngaged_mm;
+  return metric;
+}
+
+Matrix6d orientation_metric() {
+  Matrix6d metric = Matrix6d::Zero();
+  metric(3, 3) = metric(4, 4) = kEngaged_mm * kEngaged_mm;
+  metric(5, 5) = kSteady_mm * kSteady_mm;
   return metric;
 }
 
@@ -120,9 +128,8 @@ double reversal_rad(const CompensationTask& task, char axis) {
   return moved / weight;
 }
 
-OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
+OwnAxisFit own_axis_fit(const CompensationTask& task, const Matrix6d& metric, const std::vector<double>& tilt_at_deg,
                         const std::vector<double>& turn_at_deg, const EffectPtr& constants) {
-  const Matrix6d metric = volume_metric(task.volume);
   const auto rows = static_cast<Eigen::Index>(tilt_at_deg.size());
   const auto columns = static_cast<Eigen::Index>(turn_at_deg.size());
   const auto m = constants == nullptr ? Eigen::Index{0} : static_cast<Eigen::Index>(constants->parameters().size());
@@ -177,7 +184,6 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
   using Lever = Eigen::Matrix<double, 9, 1>;  // columns of the lever matrix one below the other
   using Seen = Eigen::Matrix<double, 11, 1>;  // those times the volume's half-widths, and the tilt
   constexpr double kPreferRotary = 1e-6;      // what A or C can do as well is theirs
-  const double kSteady_mm = kEngaged_mm * std::sin(5 * std::numbers::pi / 180);  // below 5 deg C hardly tilts: no peaks
   constexpr int kMostRounds = 60;
   constexpr double kSettled = 1e-11;  // mm per mm
   const std::size_t rows = tilt_at_deg.size(), columns = turn_at_deg.size();

@@ -14,6 +14,10 @@ namespace trunnion {
 ///   E |D + theta x p|^2 = |D + theta x m|^2 + sum_k v_k |theta x e_k|^2.
 Matrix6d volume_metric(const WorkingVolume& volume);
 
+/// Alike where X, Y, Z put the position right by themselves: the tilt of the tool alone, and so that a turn of C is
+/// told where the table is level, its rotation about the tool by (20 mm x sin 5 deg)^2.
+Matrix6d orientation_metric();
+
 /// The effects of the machine that do not ask where the linear axes stand, at a tip in the middle of the volume.
 PoseError rotary_part(const CompensationTask& task, IndexedPosition at, int tilt_sense = 1, int turn_sense = 1);
 
@@ -33,7 +37,7 @@ std::vector<LinearPart> linear_parts(const CompensationTask& task, double step_m
 /// sense, averaged over the volume: what the model's reversal effects come to on that joint alone.
 double reversal_rad(const CompensationTask& task, char axis);
 
-/// Corrections of A and C by functions of their own position alone, nearest to the model in the volume's metric:
+/// Corrections of A and C by functions of their own position alone, nearest to the model in the metric given:
 /// f(A) and g(C), add to command, at the given positions.
 struct OwnAxisFit {
   std::vector<double> tilt_rad;
@@ -42,7 +46,7 @@ struct OwnAxisFit {
 };
 /// With `constants`, an effect of parameters that the control can be told, its lengths are fitted alongside and its
 /// angles left zero.
-OwnAxisFit own_axis_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
+OwnAxisFit own_axis_fit(const CompensationTask& task, const Matrix6d& metric, const std::vector<double>& tilt_at_deg,
                         const std::vector<double>& turn_at_deg, const EffectPtr& constants = nullptr);
 
 /// What five axes add where each may do anything over (A, C), and the linear ones besides move in proportion to their

@@ -129,7 +129,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   const std::vector<double> turn_at = turn.sample_points(3);
   EffectContext context = effect_context(task.machine);
   const EffectPtr location = make_location_errors(context);
-  const OwnAxisFit fit = own_axis_fit(task, tilt_at, turn_at, location);
+  const OwnAxisFit fit = own_axis_fit(task, volume_metric(task.volume), tilt_at, turn_at, location);
   const auto values = [](const Eigen::MatrixXd& projector, const std::vector<double>& sampled) {
     const Eigen::VectorXd v =
         projector * Eigen::Map<const Eigen::VectorXd>(sampled.data(), static_cast<Eigen::Index>(sampled.size())) /

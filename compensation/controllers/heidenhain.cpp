@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::size_t kMostEntries = 256;
+constexpr std::size_t kMostInserted = 95;  // 100 less the MachAxis lines of five axes
 constexpr std::size_t kNumberWidth = 5, kColumnWidth = 14;
 constexpr const char* kKinematicsFile = "KINEMATICS_COMP.TXT";
 
@@ -47,31 +48,44 @@ Own own_of(const Axis& axis) {
   return {3 + static_cast<std::size_t>(k), axis.direction[k] < 0 ? -1.0 : 1.0};
 }
 
-/// One table over one rotary axis: its own column and the six extra ones, mm and degrees.
+/// One table over one rotary axis: how far it stands wrong itself, in its own sense, and the six extra columns; mm and
+/// degrees from mm and rad.
 std::string com_text(const CompensationTask& task, const Axis& axis, const std::vector<double>& nodes,
-                     const Eigen::MatrixXd& errors, Emission emission) {
+                     const Eigen::VectorXd& own, const Matrix6Xd& errors, Emission emission) {
   const int decimals = static_cast<int>(task.profile.number("com_decimals"));
   const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
   const std::size_t width = emission.quantised ? kColumnWidth : 26;
-  const Own own = own_of(axis);
   std::string text = "BEGIN AXIS_" + std::string(1, axis.letter) + ".COM MM\n" + padded("NR", kNumberWidth);
-  std::vector<std::string> columns = {"AXISPOS", "BACKLASH", std::string(1, axis.letter)};
-  for (std::size_t k = 0; k < 6; ++k)
-    if (k != own.component) columns.push_back("C" + std::to_string(k + 1));
-  for (const std::string& column : columns) text += padded(column, width);
+  for (const std::string& column : {std::string("AXISPOS"), std::string("BACKLASH"), std::string(1, axis.letter)})
+    text += padded(column, width);
+  for (int k = 1; k <= 6; ++k) text += padded("C" + std::to_string(k), width);
   text += "\n";
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    const auto value = [&](std::size_t component) {
-      return as_error * errors(static_cast<Eigen::Index>(component), static_cast<Eigen::Index>(n)) /
-             (component < 3 ? 1 : kDegree);
-    };
+    const auto at = static_cast<Eigen::Index>(n);
+    const auto cell = [&](double value) { return padded(signed_text(as_error * value, decimals, emission), width); };
     text += padded(std::to_string(n), kNumberWidth) + padded(signed_text(nodes[n], 4, emission), width) +
-            padded("", width) + padded(signed_text(own.sense * value(own.component), decimals, emission), width);
-    for (std::size_t k = 0; k < 6; ++k)
-      if (k != own.component) text += padded(signed_text(value(k), decimals, emission), width);
+            padded("", width) + cell(own[at] / kDegree);
+    for (Eigen::Index k = 0; k < 6; ++k) text += cell(errors(k, at) / (k < 3 ? 1 : kDegree));
     text += "\n";
   }
   return text + "[END]\n";
+}
+
+/// A row of the kinematics table: one column of one axis' table.
+struct Inserted {
+  char axis;
+  std::size_t component;
+  double gain;  ///< mean square of the deviation that it takes away, mm^2
+};
+
+/// The columns worth an entry, as many as the control's limits leave.
+std::vector<Inserted> worthwhile(const CompensationTask& task, char axis, const Matrix6Xd& errors) {
+  const Matrix6d metric = volume_metric(task.volume);
+  std::vector<Inserted> rows;
+  for (Eigen::Index k = 0; k < 6; ++k)
+    rows.push_back({axis, static_cast<std::size_t>(k),
+                    metric(k, k) * errors.row(k).squaredNorm() / static_cast<double>(errors.cols())});
+  return rows;
 }
 
 std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emission emission) {
@@ -89,10 +103,24 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   const std::vector<double> tilt_at = tilt.sample_points(2), turn_at = turn.sample_points(2);
   const ChainFit fit = chain_fit(task, tilt_at, turn_at, TurnErrors::of_turn_alone);
   std::vector<TableFile> files;
-  files.push_back({com_file(tilt_axis.letter),
-                   com_text(task, tilt_axis, tilt.nodes(), fit.tilt * tilt.projector(tilt_at).transpose(), emission)});
-  files.push_back({com_file(turn_axis.letter),
-                   com_text(task, turn_axis, turn.nodes(), fit.turn * turn.projector(turn_at).transpose(), emission)});
+  std::vector<Inserted> inserted;
+  // The axes themselves set the tool's axis right. How far the work is then moved X, Y and Z follow, by the component
+  // that is the axis' own too.
+  const OwnAxisFit own_fit = own_axis_fit(task, orientation_metric(), tilt_at, turn_at);
+  const auto add_table = [&](const Axis& axis, const PiecewiseLinear& function, const std::vector<double>& at,
+                             const std::vector<double>& moved_rad, Matrix6Xd errors) {
+    const Eigen::Map<const Eigen::RowVectorXd> moved(moved_rad.data(), static_cast<Eigen::Index>(moved_rad.size()));
+    errors.row(static_cast<Eigen::Index>(own_of(axis).component)) += own_of(axis).sense * moved;
+    const Eigen::MatrixXd over = function.projector(at);
+    const Matrix6Xd at_nodes = errors * over.transpose();
+    for (const Inserted& row : worthwhile(task, axis.letter, at_nodes)) inserted.push_back(row);
+    files.push_back({com_file(axis.letter),
+                     com_text(task, axis, function.nodes(), -(over * moved.transpose()), at_nodes, emission)});
+  };
+  add_table(tilt_axis, tilt, tilt_at, own_fit.tilt_rad, fit.tilt);
+  add_table(turn_axis, turn, turn_at, own_fit.turn_rad, fit.turn);
+  std::ranges::stable_sort(inserted, std::greater<>(), &Inserted::gain);
+  inserted.resize(std::min(inserted.size(), static_cast<std::size_t>(task.profile.number("comptab_entries"))));
 
   const std::string prefix = task.profile.answer("comptab_prefix") == "axis letter" ? "" : "A";
   std::string rows =
@@ -105,7 +133,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   };
   for (const Axis* axis : {&tilt_axis, &turn_axis}) {
     for (std::size_t k = 0; k < 6; ++k)
-      if (k != own_of(*axis).component)
+      if (std::ranges::any_of(inserted, [&](const Inserted& i) { return i.axis == axis->letter && i.component == k; }))
         row(error_symbol(k, axis->letter), "Trans", "XYZABC"[k], "",
             (prefix.empty() ? std::string(1, axis->letter) : prefix) + "..C" + std::to_string(k + 1));
     row("", "MachAxis", axis->letter, "", "");
@@ -259,7 +287,8 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
                        "\"" + std::string(column) + "\": a column C1 to C6 that fits the axis is wanted");
     prefixes.emplace_back(column.substr(0, column.find("..")), line_number);
     pending.push_back(component);
-    if (++transformations > 50) throw InputError(rows.name, line_number, "more than 50 transformations");
+    if (++transformations > kMostInserted)
+      throw InputError(rows.name, line_number, "more than " + std::to_string(kMostInserted) + " entries in COMPTAB");
   }
   return std::make_unique<Tnc>(std::move(tables), std::move(inserted), task);
 }
@@ -281,16 +310,17 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>&)
 /// One node of 0.005 deg: in each axis' own column, and in C6 of the tilting axis.
 std::vector<TableFile> commissioning(const CompensationTask& task) {
   const Axis &tilt = task.machine.tilt(), &turn = task.machine.turn();
-  const auto peak = [&](const Axis& axis, const std::vector<double>& nodes, std::size_t component) {
-    const double sense = component == own_of(axis).component ? own_of(axis).sense : 1;
-    const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
-    Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(6, static_cast<Eigen::Index>(nodes.size()));
-    errors(static_cast<Eigen::Index>(component), 1) = as_error * sense * 0.005 * kDegree;
-    return com_text(task, axis, nodes, errors, {});
+  const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
+  const auto peak = [&](const Axis& axis, const std::vector<double>& nodes, bool own) {
+    const auto n = static_cast<Eigen::Index>(nodes.size());
+    const Eigen::VectorXd at_one = as_error * 0.005 * kDegree * Eigen::VectorXd::Unit(n, 1);
+    Matrix6Xd errors = Matrix6Xd::Zero(6, n);
+    if (!own) errors.row(5) = at_one.transpose();
+    return com_text(task, axis, nodes, own ? at_one : Eigen::VectorXd::Zero(n).eval(), errors, {});
   };
-  return {{"own_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, own_of(tilt).component)},
-          {"yaw_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, 5)},
-          {"turn_peak_" + com_file(turn.letter), peak(turn, {0, 30, 60, 360}, own_of(turn).component)}};
+  return {{"own_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, true)},
+          {"yaw_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, false)},
+          {"turn_peak_" + com_file(turn.letter), peak(turn, {0, 30, 60, 360}, true)}};
 }
 
 }  // namespace
@@ -320,7 +350,10 @@ Controller heidenhain() {
                  "Does the control take this layout of columns?",
                  {"yes"},
                  "Import AXIS_C.COM and look at it on the screen."}},
-               {{"com_decimals", "decimals of the values", 4, 3, 7}}},
+               {{"com_decimals", "decimals of the values", 4, 3, 7},
+                {"comptab_entries",
+                 "entries of KinematicsComp that are free (100 less the MachAxis lines and those in use)",
+                 static_cast<double>(kMostInserted), 1, static_cast<double>(kMostInserted)}}},
           .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
                        Angle::degrees(5), Angle::degrees(3)},
           .emit = emit,

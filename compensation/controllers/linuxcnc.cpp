@@ -73,7 +73,7 @@ std::vector<TableFile> joint_tables(const CompensationTask& task, Angle spacing,
   const std::vector<double> one_turn = even_nodes(0, 360, step);
   const PiecewiseLinear tilt(tilt_nodes, Boundary::hold), turn(one_turn, Boundary::repeat);
   const std::vector<double> tilt_at = tilt.sample_points(2), turn_at = turn.sample_points(2);
-  const OwnAxisFit fit = own_axis_fit(task, tilt_at, turn_at);
+  const OwnAxisFit fit = own_axis_fit(task, volume_metric(task.volume), tilt_at, turn_at);
   const auto projected = [](const PiecewiseLinear& function, const std::vector<double>& at,
                             const std::vector<double>& values) {
     const Eigen::VectorXd nodes = function.projector(at) * Eigen::Map<const Eigen::VectorXd>(
