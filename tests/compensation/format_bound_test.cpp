@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "compensation/verification.h"
 #include "sample_models.h"
 
@@ -41,6 +44,28 @@ TEST_P(FormatBound, IsMissedByFivePercentAtMost) {
     const auto whole = [](const Spread& s) { return std::hypot(s.position_rms_mm, 20 * s.orientation_rms_rad); };
     EXPECT_LT(whole(tables), kShare * whole(bound));
     EXPECT_LT(tables.position_rms_mm, kShare * bound.position_rms_mm);
+  }
+}
+
+TEST(HeidenhainTables, SpendFewEntriesWhereTheyBringMost) {
+  const Controller& controller = controller_named("heidenhain");
+  Machine machine = trunnion_machine("heidenhain");
+  const Model model = random_model(machine, 31);
+  double before = std::numeric_limits<double>::infinity();
+  for (const double entries : {1.0, 4.0, 12.0}) {
+    machine.profile["comptab_entries"] = entries;
+    const CompensationTask task(machine, model, {}, controller.questions);
+    const auto files = controller.emit(task, Angle::degrees(15), {});
+    const auto rows = std::ranges::find(files, "KINEMATICS_COMP.TXT", &TableFile::name);
+    ASSERT_NE(rows, files.end());
+    int written = 0;
+    for (std::size_t at = rows->text.find("Trans"); at != std::string::npos; at = rows->text.find("Trans", at + 1))
+      ++written;
+    EXPECT_EQ(written, static_cast<int>(entries));
+    const auto sample = pose_sample(task.volume, model, 300, 700000);
+    const double left = spread(model, task.chain, sample, *controller.play(files, task)).position_rms_mm;
+    EXPECT_LT(left, before);
+    before = left;
   }
 }
 
