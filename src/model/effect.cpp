@@ -25,10 +25,15 @@ Eigen::VectorXd Effect::values() const {
 
 std::shared_ptr<const Effect> Effect::with_parameters(const Eigen::VectorXd& values,
                                                       const Eigen::MatrixXd& covariance) const {
+  const auto n = static_cast<Eigen::Index>(parameters_.size());
+  if (values.size() != n || (covariance.size() != 0 && (covariance.rows() != n || covariance.cols() != n)))
+    throw ModelError("effect " + id() + ": " + std::to_string(n) +
+                     " parameters, and a covariance of them or none, are wanted");
   std::shared_ptr<Effect> copy = clone();
   for (std::size_t i = 0; i < parameters_.size(); ++i)
     copy->parameters_[i].value = values[static_cast<Eigen::Index>(i)];
   copy->covariance_ = covariance;
+  copy->parameters_changed();
   return copy;
 }
 

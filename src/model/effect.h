@@ -87,6 +87,8 @@ class Effect {
  protected:
   virtual std::shared_ptr<Effect> clone() const = 0;
   virtual void set_shape(const Eigen::VectorXd&) {}
+  /// Called after with_parameters: for an effect that keeps more than parameters_ and covariance_.
+  virtual void parameters_changed() {}
   /// Restores shape, parameters and covariance from what to_json wrote. Throws ModelError naming the key.
   void read_parameters(const nlohmann::json& json);
 

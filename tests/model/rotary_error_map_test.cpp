@@ -7,6 +7,7 @@
 
 #include "error.h"
 #include "errormap/fields.h"
+#include "errormap/harmonic_surface.h"
 #include "model/model.h"
 #include "support/noise.h"
 
@@ -180,6 +181,76 @@ TEST(RotaryErrorMap, SaysWhatIsWrongWithAFile) {
   EXPECT_EQ(message([](json& j) { j["interpolation"]["method"] = "spline"; }),
             "rotary_error_map: interpolation.method: \"spline\" found, one of trig-cubic, bilinear, natural-neighbour, "
             "structured, gaussian-process is wanted");
+}
+
+TEST(RotaryErrorMap, TakesOtherParametersLikeAnyEffect) {
+  const auto refuses = [](const Effect& effect) {
+    const auto n = static_cast<Eigen::Index>(effect.parameters().size());
+    EXPECT_THROW(effect.with_parameters(Eigen::VectorXd::Zero(n - 1), {}), ModelError);
+    EXPECT_THROW(effect.with_parameters(Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Identity(n - 1, n - 1)), ModelError);
+  };
+  const RotaryErrorMap nodes({.grid = drawn(5)}, context());
+  const ErrorGrid wanted = drawn(6);
+  const Eigen::MatrixXd covariance = 1e-12 * Eigen::MatrixXd::Identity(nodes.values().size(), nodes.values().size());
+  const EffectPtr other = nodes.with_parameters(wanted.coefficients(), covariance);
+  const RotaryErrorMap direct({.grid = wanted, .grid_covariance = covariance, .full_covariance = true}, context());
+  EXPECT_EQ(other->to_json(), direct.to_json());
+  EXPECT_EQ(other->at(at(-30, 200)).vector(), direct.at(at(-30, 200)).vector());
+  EXPECT_EQ(other->covariance_at(at(-30, 200)), direct.covariance_at(at(-30, 200)));
+  EXPECT_EQ(other->parameters()[0].name, "EXA at A -90");
+  EXPECT_EQ(other->parameters().back().name, "ECC at A 0 C 288");
+  EXPECT_NE(nodes.at(at(-30, 200)).vector(), direct.at(at(-30, 200)).vector());
+  refuses(nodes);
+
+  const HarmonicBasis basis{.a_range = {kA.front(), kA.back()}, .tilt_degree = 2, .harmonics = 2, .turn_degree = 1};
+  testing::Noise noise(7);
+  const auto draw = [&] {
+    Eigen::VectorXd v(basis.coefficient_count());
+    for (Eigen::Index k = 0; k < v.size(); ++k) v[k] = (k % 6 < 3 ? 5e-3 : 3e-5) * noise.normal();
+    return v;
+  };
+  const Eigen::VectorXd before = draw(), after = draw();
+  const Eigen::MatrixXd known = 1e-12 * Eigen::MatrixXd::Identity(before.size(), before.size());
+  const RotaryErrorMap smooth(
+      {.grid = drawn(8), .smooth_basis = basis, .smooth_method = "structured", .smooth_coefficients = before},
+      context());
+  const EffectPtr moved = smooth.with_parameters(after, known);
+  EXPECT_EQ(moved->at(at(-30, 200)).vector(),
+            RotaryErrorMap({.grid = drawn(8), .smooth_basis = basis, .smooth_coefficients = after}, context())
+                .at(at(-30, 200))
+                .vector());
+  const EffectPtr read = RotaryErrorMap::read(json::parse(moved->to_json().dump()), context());
+  EXPECT_LT((read->values() - after).norm(), 1e-15);
+  EXPECT_LT((read->covariance_at(at(-60, 10)) - moved->covariance_at(at(-60, 10))).norm(), 1e-18);
+  // The values at the nodes follow.
+  const auto& found = dynamic_cast<const RotaryErrorMap&>(*moved);
+  const RotaryErrors change_at = [&] {
+    const HarmonicSurface a(basis, before), b(basis, after);
+    const IndexedPosition p{kA[1], kC[3]};
+    return RotaryErrors{PoseError::from_vector(b.at(p).tilt.vector() - a.at(p).tilt.vector()),
+                        PoseError::from_vector(b.at(p).turn.vector() - a.at(p).turn.vector())};
+  }();
+  const RotaryErrors old_node = drawn(8).at_node(1, 3), new_node = found.content().grid.at_node(1, 3);
+  EXPECT_LT((new_node.tilt.vector() - old_node.tilt.vector() - change_at.tilt.vector()).norm(), 1e-15);
+  EXPECT_LT((new_node.turn.vector() - old_node.turn.vector() - change_at.turn.vector()).norm(), 1e-15);
+  // The functions' names are those of the surface: one at a time, each is where it says.
+  for (std::size_t k = 0; k < found.parameters().size(); ++k) {
+    const std::string& name = found.parameters()[k].name;
+    const auto i = static_cast<Eigen::Index>(k);
+    const Eigen::Matrix<double, 12, Eigen::Dynamic> b = found.surface().jacobian(degrees(-20, 33));
+    const double a_rad = degrees(-20, 0).a.in_radians(), c_rad = degrees(0, 33).c.in_radians();
+    const Eigen::Index row = k % 6 + (name[2] == 'C' ? 6 : 0);
+    double expected = std::nan("");
+    const std::string function = name.substr(4);
+    if (function == "mean" || function == "P0") expected = 1;
+    if (function == "P1") expected = -20 / 45.0 + 1;
+    if (function == "cos1:0") expected = std::cos(c_rad);
+    if (function == "sin2:1") expected = std::sin(2 * c_rad) * std::sin(a_rad);
+    if (!std::isnan(expected)) {
+      EXPECT_NEAR(b(row, i), expected, 1e-14) << name;
+    }
+  }
+  refuses(smooth);
 }
 
 }  // namespace

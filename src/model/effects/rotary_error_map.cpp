@@ -139,23 +139,98 @@ Eigen::VectorXd read_value_table(const json& table, const std::string& name, con
   return values;
 }
 
+/// "EXA at A -30", "EXC at A -30 C 60": a value of the grid.
+std::string node_name(const ErrorGrid& grid, char tilt_letter, const std::string& symbol, std::size_t i, int j) {
+  char text[80];
+  const double a = grid.a_stations[i].in_degrees();
+  if (j < 0)
+    std::snprintf(text, sizeof text, "%s at %c %.6g", symbol.c_str(), tilt_letter, a);
+  else
+    std::snprintf(text, sizeof text, "%s at %c %.6g C %.6g", symbol.c_str(), tilt_letter, a,
+                  grid.c_stations[static_cast<std::size_t>(j)].in_degrees());
+  return text;
+}
+
+void name_parameters(std::vector<Parameter>& parameters, const ErrorGrid& grid, char tilt_letter) {
+  const Eigen::VectorXd values = grid.coefficients();
+  parameters.resize(static_cast<std::size_t>(values.size()));
+  for_each_value(grid, tilt_letter, [&](const std::string& symbol, Unit unit, std::size_t i, int j, std::size_t k) {
+    parameters[k] = {node_name(grid, tilt_letter, symbol, i, j), unit, values[static_cast<Eigen::Index>(k)]};
+  });
+}
+
+void name_parameters(std::vector<Parameter>& parameters, const HarmonicBasis& basis, const Eigen::VectorXd& values,
+                     char tilt_letter) {
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const Eigen::Index function = k / 6, turn = function - basis.tilt_functions();
+    std::string name = error_symbol(static_cast<std::size_t>(k % 6), turn < 0 ? tilt_letter : 'C') + ":";
+    if (turn < 0) {
+      name += "P" + std::to_string(function);
+    } else if (turn == 0) {
+      name += "mean";
+    } else {
+      const Eigen::Index per_wave = basis.turn_degree + 1, wave = (turn - 1) / per_wave;
+      name +=
+          (wave % 2 == 0 ? "cos" : "sin") + std::to_string(wave / 2 + 1) + ":" + std::to_string((turn - 1) % per_wave);
+    }
+    parameters.push_back({std::move(name), coefficient_unit(k), values[k]});
+  }
+}
+
+/// What the grid's coefficients are, linear in those of the surface.
+Eigen::MatrixXd surface_at_nodes(const ErrorSurface& surface, const ErrorGrid& grid) {
+  Eigen::MatrixXd m(static_cast<Eigen::Index>(grid.coefficient_count()), surface.coefficient_count());
+  for (std::size_t i = 0; i < grid.a_stations.size(); ++i)
+    for (std::size_t j = 0; j < grid.c_stations.size(); ++j) {
+      const Eigen::MatrixXd rows = surface.jacobian({grid.a_stations[i], grid.c_stations[j]});
+      m.middleRows(static_cast<Eigen::Index>(grid.tilt_offset(i)), 6) = rows.topRows(6);
+      m.middleRows(static_cast<Eigen::Index>(grid.turn_offset(i, j)), 6) = rows.bottomRows(6);
+    }
+  return m;
+}
+
 }  // namespace
 
 RotaryErrorMap::RotaryErrorMap(RotaryMapContent content, const EffectContext& context)
     : content_(std::move(content)), context_(context) {
   std::unique_ptr<ErrorSurface> nodes = make_surface(content_.interpolation, content_.grid);
   if (content_.smooth_basis) {
-    surface_ = std::make_shared<HarmonicSurface>(*content_.smooth_basis, content_.smooth_coefficients);
+    use(std::make_shared<HarmonicSurface>(*content_.smooth_basis, content_.smooth_coefficients));
     covariance_ = content_.smooth_covariance;
+    name_parameters(parameters_, *content_.smooth_basis, content_.smooth_coefficients, context_.tilt_letter);
   } else {
-    surface_ = std::move(nodes);
+    use(std::move(nodes));
     covariance_ = content_.grid_covariance;
+    name_parameters(parameters_, content_.grid, context_.tilt_letter);
   }
+}
+
+void RotaryErrorMap::use(std::shared_ptr<const ErrorSurface> surface) {
+  surface_ = std::move(surface);
   if (!surface_->covers(Angle()))
     throw ModelError(
         "rotary_error_map: its tilt stations do not reach the reference pose 0, where the workpiece is set up");
   reference_ = surface_->at(kReference);
   reference_jacobian_ = surface_->jacobian(kReference);
+}
+
+void RotaryErrorMap::parameters_changed() {
+  if (!content_.smooth_basis) {
+    content_.grid = with_coefficients(content_.grid, values());
+    content_.grid_covariance = covariance_;
+    content_.full_covariance = covariance_.size() != 0;
+    use(make_surface(content_.interpolation, content_.grid));
+    return;
+  }
+  const Eigen::VectorXd change = values() - content_.smooth_coefficients;
+  content_.smooth_coefficients = values();
+  content_.smooth_covariance = covariance_;
+  use(std::make_shared<HarmonicSurface>(*content_.smooth_basis, content_.smooth_coefficients));
+  const Eigen::MatrixXd at_nodes = surface_at_nodes(*surface_, content_.grid);
+  content_.grid = with_coefficients(content_.grid, content_.grid.coefficients() + at_nodes * change);
+  content_.grid_covariance.resize(0, 0);
+  if (covariance_.size() != 0) content_.grid_covariance = at_nodes * covariance_ * at_nodes.transpose();
+  content_.full_covariance = covariance_.size() != 0;
 }
 
 bool RotaryErrorMap::moves_table() const { return context_.chain->has_rotary(Side::workpiece); }
@@ -171,16 +246,8 @@ std::vector<std::string> RotaryErrorMap::unseen_freedoms() const {
   if (content_.unseen.empty()) return names;
   for_each_value(content_.grid, context_.tilt_letter,
                  [&](const std::string& symbol, Unit, std::size_t i, int j, std::size_t k) {
-                   if (!content_.unseen[k]) return;
-                   char text[80];
-                   if (j < 0)
-                     std::snprintf(text, sizeof text, "%s at %c %.6g", symbol.c_str(), context_.tilt_letter,
-                                   content_.grid.a_stations[i].in_degrees());
-                   else
-                     std::snprintf(text, sizeof text, "%s at %c %.6g C %.6g", symbol.c_str(), context_.tilt_letter,
-                                   content_.grid.a_stations[i].in_degrees(),
-                                   content_.grid.c_stations[static_cast<std::size_t>(j)].in_degrees());
-                   names.emplace_back(text);
+                   if (content_.unseen[k])
+                     names.push_back(node_name(content_.grid, context_.tilt_letter, symbol, i, j));
                  });
   return names;
 }

@@ -58,8 +58,12 @@ class RotaryErrorMap : public Effect {
 
  protected:
   std::shared_ptr<Effect> clone() const override { return std::make_shared<RotaryErrorMap>(*this); }
+  /// Takes the surface's new coefficients into the content; beside a smooth surface, the values at the nodes move as
+  /// the surface does and have its uncertainty.
+  void parameters_changed() override;
 
  private:
+  void use(std::shared_ptr<const ErrorSurface> surface);
   void refuse_unseen(IndexedPosition position) const;
   bool touches_unseen(IndexedPosition position) const;
 
