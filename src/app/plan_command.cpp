@@ -26,6 +26,7 @@ struct Options {
   std::vector<std::string> separate;
   std::size_t visits = 6, touches = 12;
   double touch_s = 7, pose_s = 6;
+  ProbeMoves moves;
 };
 
 std::string size_text(const SmallestSeen& s) {
@@ -149,7 +150,7 @@ int run(const Options& o, const Talk& talk) {
     std::filesystem::path program = output, log = output.filename();
     program.replace_extension(".ngc");
     log.replace_extension(".log");
-    const std::string text = linuxcnc_probe_program(set, machine, {}, log.string());
+    const std::string text = linuxcnc_probe_program(set, machine, o.moves, log.string());
     write_whole(program.string(), text, inputs);
     write_whole(o.output, observations_text(set, machine.tilt_letter()), inputs);
     talk.say("wrote " + program.string() + "; its log " + log.string() + " is for `trunnion import probe-log`");
@@ -219,6 +220,21 @@ Command plan_command(CLI::App& program, const Talk& talk) {
   app->add_option("--nc", o->nc, "Also write the probing program beside it")
       ->check(CLI::IsMember({"linuxcnc"}))
       ->type_name("linuxcnc")
+      ->group("Output");
+  app->add_option("--feed", o->moves.feed_mm_per_min, "Of a probing move, mm/min")
+      ->check(CLI::Range(1.0, 2000.0))
+      ->capture_default_str()
+      ->needs("--nc")
+      ->group("Output");
+  app->add_option("--standoff", o->moves.standoff_mm, "Of the ball from a face before it is probed, mm")
+      ->check(CLI::Range(0.1, 8.0))
+      ->capture_default_str()
+      ->needs("--nc")
+      ->group("Output");
+  app->add_option("--clearance", o->moves.clearance_mm, "Above whatever stands on the table, between spots, mm")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str()
+      ->needs("--nc")
       ->group("Output");
   app->add_option("-o,--output", o->output, "The plan: an observations file with nominal places (CSV)")
       ->required()

@@ -1,5 +1,6 @@
 #include "planning/probing_plan.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,33 @@ namespace {
 constexpr double kGrazing = -0.05;  // of the outward normal along the tool's axis: a side of a column as it stands
 constexpr double kLever_mm = 100;
 constexpr double kRetract_mm = 30;  // that the probe stands off a face before and after
+constexpr double kPassing_mm = 5;  // that the ball keeps from what it passes by, with all that comes down beside a face
+constexpr double kApproach_mm = 8;  // beside a face
+
+/// What an artifact takes up, as far as its spots tell: their box, and all below it down to the table.
+std::map<std::string, Eigen::AlignedBox3d> boxes_of(const std::vector<Spot>& spots) {
+  std::map<std::string, Eigen::AlignedBox3d> boxes;
+  for (const Spot& spot : spots) {
+    boxes[spot.artifact].extend(spot.place_w_mm);
+    boxes[spot.artifact].extend(Eigen::Vector3d(spot.place_w_mm.x(), spot.place_w_mm.y(), -1e4));
+  }
+  return boxes;
+}
+
+/// Whether the half line from `from` along `along` meets the box.
+bool meets(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& from, const Eigen::Vector3d& along) {
+  double enter = 0, leave = 1e4;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (std::abs(along[i]) < 1e-12) {
+      if (from[i] < box.min()[i] || from[i] > box.max()[i]) return false;
+      continue;
+    }
+    const double a = (box.min()[i] - from[i]) / along[i], b = (box.max()[i] - from[i]) / along[i];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return enter <= leave;
+}
 
 Vector6d functional(const Spot& spot, const Eigen::Isometry3d& r_from_w) {
   const Eigen::Vector3d n = -(r_from_w.linear() * spot.outward_w), p = r_from_w * spot.place_w_mm;
@@ -89,10 +117,24 @@ std::vector<std::size_t> reachable(const Machine& machine, const KinematicChain&
                                    IndexedPosition at) {
   const Eigen::Isometry3d r_from_w = chain.r_from_w(at);
   const Eigen::Vector3d tool = chain.r_from_t(at).linear() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d tool_w = r_from_w.linear().transpose() * tool;
+  const double radius_mm = machine.probe.ball_radius.in_millimetres();
+  const auto boxes = boxes_of(spots);
+  /// The probe comes down along the tool's axis, and its stylus stands there: nothing else may.
+  const auto free = [&](const Spot& spot) {
+    for (const auto& [artifact, box] : boxes) {
+      if (artifact == spot.artifact) continue;
+      const Eigen::Vector3d margin = Eigen::Vector3d::Constant(radius_mm + kPassing_mm);
+      const Eigen::AlignedBox3d kept(box.min() - margin, box.max() + margin);
+      for (const double off : {radius_mm, radius_mm + kApproach_mm})
+        if (meets(kept, spot.place_w_mm + off * spot.outward_w, tool_w)) return false;
+    }
+    return true;
+  };
   std::vector<std::size_t> found;
   for (std::size_t k = 0; k < spots.size(); ++k) {
     const Eigen::Vector3d outward = r_from_w.linear() * spots[k].outward_w;
-    if (outward.dot(tool) < kGrazing) continue;
+    if (outward.dot(tool) < kGrazing || !free(spots[k])) continue;
     bool within = true;
     for (const double off : {0.0, kRetract_mm}) {
       const Eigen::Vector3d place = r_from_w * spots[k].place_w_mm + off * outward;

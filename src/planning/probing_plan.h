@@ -38,8 +38,9 @@ struct PlanOptions {
 /// The tilts that a plan covers, by the options, the work volume and the stroke of the axis.
 Range<Angle> planned_tilts(const Machine& machine, const PlanOptions& options);
 
-/// Spots that the probe can touch at a position: the face looks no more than 3 deg away from the tool, and the linear
-/// axes reach it.
+/// Spots that the probe can touch at a position: the face looks no more than 3 deg away from the tool, no other
+/// artifact stands in the way of a probe that comes down along the tool's axis, and the linear axes reach it. An
+/// artifact is known by its spots alone: their box, and what is below it.
 std::vector<std::size_t> reachable(const Machine& machine, const KinematicChain& chain, const std::vector<Spot>& spots,
                                    IndexedPosition at);
 /// At most `count` of them: those that determine the six pose errors best (D-optimal by exchange).

@@ -20,30 +20,35 @@ def write(path, lines):
         file.write("\n".join(lines) + "\n")
 
 
-def configure(out):
+def configure(out, kinematics="trunnion_kins coordinates=XYZAC", velocity=100, acceleration=500, components=(), functions=(), nets=()):
+    """Writes INI and HAL; `components`, `functions` of the servo thread and `nets` come after LinuxCNC's own."""
     ini = ["[EMC]", "VERSION=1.1", "[TASK]", "TASK=milltask", "CYCLE_TIME=0.01", "[RS274NGC]", "PARAMETER_FILE=v.var",
            "[EMCMOT]", "EMCMOT=motmod", "SERVO_PERIOD=1000000", "COMM_TIMEOUT=1", "[EMCIO]", "EMCIO=io", "CYCLE_TIME=0.1",
-           "TOOL_TABLE=t.tbl", "[KINS]", "KINEMATICS=trunnion_kins coordinates=XYZAC", "JOINTS=5", "[TRAJ]",
+           "TOOL_TABLE=t.tbl", "[KINS]", f"KINEMATICS={kinematics}", "JOINTS=5", "[TRAJ]",
            "COORDINATES=XYZAC", "LINEAR_UNITS=mm", "ANGULAR_UNITS=degree", "DEFAULT_LINEAR_VELOCITY=50",
-           "MAX_LINEAR_VELOCITY=100", "MAX_LINEAR_ACCELERATION=500", "NO_FORCE_HOMING=1"]
+           f"MAX_LINEAR_VELOCITY={velocity}", f"MAX_LINEAR_ACCELERATION={acceleration}", "NO_FORCE_HOMING=1"]
     for joint, axis in enumerate("XYZAC"):
         for section in (f"AXIS_{axis}", f"JOINT_{joint}"):
-            ini += [f"[{section}]", "MIN_LIMIT=-9999", "MAX_LIMIT=9999", "MAX_VELOCITY=100", "MAX_ACCELERATION=500"]
+            ini += [f"[{section}]", "MIN_LIMIT=-9999", "MAX_LIMIT=9999", f"MAX_VELOCITY={velocity}",
+                    f"MAX_ACCELERATION={acceleration}"]
         ini += [f"TYPE={'ANGULAR' if axis in 'AC' else 'LINEAR'}", "HOME=0", "FERROR=100", "MIN_FERROR=100",
                 "HOME_SEARCH_VEL=0", "HOME_LATCH_VEL=0", "HOME_SEQUENCE=0"]
     write(f"{out}/f.ini", ini)
     write(f"{out}/v.var", [])
     write(f"{out}/t.tbl", ["T1 P1 Z50"])
-    hal = ["loadrt trunnion_kins coordinates=XYZAC", "loadrt tpmod", "loadrt homemod",
+    hal = [f"loadrt {kinematics}", "loadrt tpmod", "loadrt homemod",
            "loadrt motmod servo_period_nsec=1000000 num_joints=5", "loadrt sampler depth=30000 cfg=ffffffffff",
-           "addf motion-command-handler servo-thread", "addf motion-controller servo-thread", "addf sampler.0 servo-thread"]
+           *components, "addf motion-command-handler servo-thread", "addf motion-controller servo-thread",
+           "addf sampler.0 servo-thread", *(f"addf {function} servo-thread" for function in functions)]
     hal += [f"net j{n} joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in range(5)]
     hal += [f"net a{n} axis.{axis}.pos-cmd => sampler.0.pin.{n}" for n, axis in enumerate("xyzac")]
     hal += [f"net q{n} joint.{n}.pos-cmd => sampler.0.pin.{n + 5}" for n in range(5)]
     hal += ["net e iocontrol.0.user-enable-out iocontrol.0.emc-enable-in",
             "net tp iocontrol.0.tool-prepare iocontrol.0.tool-prepared",
             "net tc iocontrol.0.tool-change iocontrol.0.tool-changed",
-            "net tlo motion.tooloffset.z => trunnion_kins.tool-offset"]
+            *nets]
+    if "trivkins" not in kinematics:
+        hal.append(f"net tlo motion.tooloffset.z => {kinematics.split()[0]}.tool-offset")
     write(f"{out}/f.hal", hal)
     write(f"{out}/run.py", [
         "import linuxcnc, time, subprocess",
@@ -68,7 +73,7 @@ def forget_old_memory():
                 sh(f"ipcrm -{kind} {words[1]}")
 
 
-def run_controller(out):
+def run_controller(out, seconds=120):
     environment = dict(os.environ, RTAPI_UID="65534", RTAPI_FIFO_PATH=f"{out}/fifo/f", HOME=f"{out}/home")
     for folder in ("fifo", "home"):
         os.makedirs(f"{out}/{folder}", exist_ok=True)
@@ -88,7 +93,7 @@ def run_controller(out):
         task = subprocess.Popen(["milltask", "-ini", "f.ini"], **quiet)
         time.sleep(2)
         sh("timeout 10 halcmd start", **own)
-        program = sh("timeout 120 /usr/bin/python3 run.py >run.log 2>&1", **own)
+        program = sh(f"timeout {seconds} /usr/bin/python3 run.py >run.log 2>&1", **own)
         if program.returncode != 0:
             sys.exit("program: " + program.stderr + program.stdout)
     finally:

@@ -58,6 +58,45 @@ ObservationSet touched(const ObservationSet& plan, const std::vector<Spot>& spot
   return testing::as_observations(probe(machine, rows, {}, none));
 }
 
+TEST(FirstPlan, KeepsTheProbeOffTheOtherColumns) {
+  const Machine machine = the_machine();
+  const KinematicChain chain(machine);
+  const std::vector<Spot> spots = column_spots();
+  const auto named = [&](const char* point) {
+    return static_cast<std::size_t>(std::ranges::find(spots, point, &Spot::point) - spots.begin());
+  };
+  // With the table upright, the first column stands over the third.
+  const std::vector<std::size_t> upright = reachable(machine, chain, spots, {Angle::degrees(-90), Angle()});
+  EXPECT_EQ(std::ranges::count(upright, named("3S4")), 0);
+  EXPECT_EQ(std::ranges::count(upright, named("1S4")), 1);
+  EXPECT_EQ(std::ranges::count(upright, named("2S4")), 1);
+  EXPECT_EQ(reachable(machine, chain, spots, {}).size(), spots.size());
+  // Point by point along the stylus, from the ball at a face and from where it starts: no column is met.
+  const double radius_mm = machine.probe.ball_radius.in_millimetres();
+  std::size_t touches = 0;
+  for (const Visit& visit : first_plan(machine, spots, {})) {
+    const Eigen::Isometry3d r_from_w = chain.r_from_w(visit.at), w_from_r = r_from_w.inverse();
+    EXPECT_GE(visit.spots.size(), 6U) << visit.at.a.in_degrees() << " " << visit.at.c.in_degrees();
+    for (const std::size_t k : visit.spots) {
+      ++touches;
+      const Eigen::Vector3d outward = r_from_w.linear() * spots[k].outward_w;
+      for (const double off : {radius_mm + 0.01, radius_mm + 8})
+        for (double up = 0; up < 400; up += 1) {
+          const Eigen::Vector3d p =
+              w_from_r * (r_from_w * spots[k].place_w_mm + off * outward + Eigen::Vector3d(0, 0, up));
+          for (const Eigen::Vector2d& centre : {Eigen::Vector2d(-90, -90), {90, -90}, {-90, 90}}) {
+            const Eigen::Vector2d across = (p.head<2>() - centre).cwiseAbs();
+            const bool own = spots[k].artifact == (centre.x() > 0 ? "2" : centre.y() > 0 ? "3" : "1");
+            const double reach = own ? 0 : radius_mm;
+            EXPECT_FALSE(across.maxCoeff() < 20 + reach && p.z() < 110 + reach && p.z() > 0)
+                << spots[k].point << " at A " << visit.at.a.in_degrees() << " C " << visit.at.c.in_degrees();
+          }
+        }
+    }
+  }
+  EXPECT_GT(touches, 500U);
+}
+
 TEST(FirstPlan, HasWhatTellsDriftAndBacklashFromTheMaps) {
   const Machine machine = the_machine();
   const KinematicChain chain(machine);
