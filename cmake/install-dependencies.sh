@@ -6,6 +6,7 @@
 # Without a group: what building and testing need. Further groups:
 #   linuxcnc   the LinuxCNC interpreter, simulator and headers, against which programs and tables are tested
 #   browser    headless Chromium, for the tests of the report
+#   python     pybind11, numpy, pytest and matplotlib: the Python module, its test and its example
 #   shells     help2man for the manual pages; fish and zsh, which complete the program's words in a test
 #   postgres   PostgreSQL's client and server: the history of a plant, and its test
 #   fleet      GNU parallel, and a Slurm that a test starts: the fleet on a workstation and on a cluster
@@ -22,6 +23,7 @@ packages_of() {
         libocct-data-exchange-dev libsqlite3-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
       ;;
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
+    python) echo python3-dev pybind11-dev python3-numpy python3-pytest python3-matplotlib ;;
     shells) echo help2man fish zsh ;;
     browser)
       # Node.js of another origin brings its own npm, which that of Debian refuses.
@@ -35,7 +37,7 @@ packages_of() {
     readers) echo freecad-python3 freecad-common ;;
     develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind ;;
     *)
-      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, shells, postgres, fleet, package, readers, develop" >&2
+      echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, python, shells, postgres, fleet, package, readers, develop" >&2
       return 2
       ;;
   esac

@@ -20,6 +20,7 @@ CONFINED = [
      {"testpiece"}),
     (re.compile(r"\w+\.hxx"), {"testpiece"}),
     (re.compile(r"CLI/"), {"app"}),
+    (re.compile(r"pybind11/"), {"python"}),
     (re.compile(r"toml\+\+/"), {"io"}),
     (re.compile(r"sqlite3\.h|libpq-fe\.h"), {"history"}),
     (re.compile(r"regex$"), set()),
@@ -65,7 +66,7 @@ def sources(root):
 
 
 def include_findings(root, linked):
-    parts = set(linked) | {"app"}
+    parts = set(linked) | {"app", "python"}
     for part, path in sources(root):
         place = path.relative_to(root)
         reach = closure(linked, part) | {part} if part in linked else parts

@@ -18,6 +18,8 @@ cmake/install-dependencies.sh linuxcnc ||
   echo "tests/run.sh: LinuxCNC cannot be installed here; the tests that need it will be skipped" >&2
 { cmake/install-dependencies.sh browser && tests/report/install.sh build/test/browser; } ||
   echo "tests/run.sh: no browser can be installed here; the tests that need it will be skipped" >&2
+cmake/install-dependencies.sh python ||
+  echo "tests/run.sh: the packages of the Python module cannot be installed here; it is left out" >&2
 cmake/install-dependencies.sh shells ||
   echo "tests/run.sh: help2man, fish and zsh cannot be installed here; what needs them will be skipped" >&2
 

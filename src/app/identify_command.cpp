@@ -7,6 +7,7 @@
 #include "app/active_compensation.h"
 #include "app/command.h"
 #include "app/error_text.h"
+#include "app/prior_map.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
 #include "error.h"
@@ -137,28 +138,11 @@ void warn(const IdentificationResult& r, const Talk& talk, char tilt) {
               "); the smooth fit stands in, with its uncertainty");
 }
 
-/// How far the machine may have moved since the prior, as the options or the file say.
-double drift(double option, const Model& earlier, const char* unit) {
-  if (option >= 0) return option;
-  if (earlier.fit && earlier.fit->is_object() && earlier.fit->contains("drift") &&
-      (*earlier.fit)["drift"].contains(unit) && (*earlier.fit)["drift"][unit].is_number())
-    return (*earlier.fit)["drift"][unit].get<double>();
-  throw UsageError(std::string("--drift-") + unit +
-                   ": wanted, since the prior does not say how far the machine may have moved (trunnion history prior "
-                   "writes one that does)");
-}
-
 EarlierMap earlier_map(const Options& o, const Machine& machine, const Talk& talk) {
-  const Model model = read_model(o.prior, machine);
-  for (const EffectPtr& effect : model.effects)
-    if (effect->origin() == Origin::machine && effect->id() != "rotary_error_map")
-      talk.warn(o.prior + ": " + effect->id() + " of the prior is not used, only its map is");
-  EarlierMap earlier{.drift = {Length::micrometres(drift(o.drift_um, model, "um")),
-                               Angle::microradians(drift(o.drift_urad, model, "urad"))}};
-  for (const EffectPtr& effect : model.effects)
-    if (auto map = std::dynamic_pointer_cast<const RotaryErrorMap>(effect)) earlier.map = std::move(map);
-  if (!earlier.map) throw InputError(o.prior, "a rotary_error_map is wanted as the prior");
-  return earlier;
+  const auto told = [](double option) { return option >= 0 ? std::optional(option) : std::nullopt; };
+  PriorMap prior = prior_map(read_model(o.prior, machine), o.prior, told(o.drift_um), told(o.drift_urad));
+  for (const std::string& note : prior.notes) talk.warn(note);
+  return std::move(prior.earlier);
 }
 
 int run(const Options& o, const Talk& talk) {
