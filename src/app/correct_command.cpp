@@ -39,7 +39,7 @@ struct Options {
 };
 
 /// A file as a source of bytes.
-OpenProgram program_file(const std::string& path) {
+OpenProgram file_source(const std::string& path) {
   return [path]() -> ReadBytes {
     const std::shared_ptr<std::FILE> file(std::fopen(path.c_str(), "rb"), [](std::FILE* f) {
       if (f != nullptr) std::fclose(f);
@@ -54,6 +54,21 @@ OpenProgram program_file(const std::string& path) {
   };
 }
 
+/// A program is read more than once; what is no file (a pipe) is kept.
+OpenProgram program_source(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored) || std::filesystem::is_regular_file(path, ignored))
+    return file_source(path);
+  const auto text = std::make_shared<const std::string>(read_text(path));
+  return [text] {
+    return [text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
+      const std::size_t taken = text->copy(buffer, size, at);
+      at += taken;
+      return taken;
+    };
+  };
+}
+
 /// In bytes; 0 for what is no file.
 double file_size(const std::string& path) {
   std::error_code error;
@@ -62,9 +77,9 @@ double file_size(const std::string& path) {
 }
 
 /// The beginning of a program.
-std::string head_of(const std::string& path) {
+std::string head_of(const OpenProgram& program) {
   std::string head(std::size_t{1} << 16, '\0');
-  const ReadBytes read = program_file(path)();
+  const ReadBytes read = program();
   head.resize(read(head.data(), head.size()));
   return head;
 }
@@ -106,6 +121,7 @@ int run(const Options& o, const Talk& talk) {
   else
     talk.warn("no --job: work offsets are zero, and the program's zero is where W has its own");
 
+  const OpenProgram program = program_source(o.input);
   const bool orientation = !o.only_position && o.orientation == "on";
   ProgramSetup setup(machine, model, std::move(job),
                      {.dialect = o.dialect,
@@ -115,7 +131,7 @@ int run(const Options& o, const Talk& talk) {
                       .threads = o.threads,
                       .tolerance_um = o.tolerance_um,
                       .keep_going = o.keep_going},
-                     o.dialect.empty() ? head_of(o.input) : "", o.input, model_bytes);
+                     o.dialect.empty() ? head_of(program) : "", o.input, model_bytes);
   for (const std::string& note : setup.notes()) talk.warn(note);
   if (file_size(o.input) > kWorthBaking_bytes) setup.expect_many_blocks();
   ProgramCorrection& how = setup.how();
@@ -129,16 +145,14 @@ int run(const Options& o, const Talk& talk) {
     ProgressLine line(o.input, talk);
     how.progress = [&](std::uint64_t bytes) { line.at(bytes); };
     result = correct_program(
-        program_file(o.input), [&](std::string_view text) { output.append(text); }, setup.with_tcp(),
-        setup.without_tcp(), how);
+        program, [&](std::string_view text) { output.append(text); }, setup.with_tcp(), setup.without_tcp(), how);
   }
   for (const Refusal& refusal : result.refusals)
     talk.warn(o.input + ":" + std::to_string(refusal.line) + ": copied uncorrected: " + refusal.reason);
 
   std::optional<PlaybackResult> played;
   if (!o.report.empty() && result.refusals.empty())
-    played = play_back(program_file(o.input), program_file(output.written()), setup.with_tcp(), setup.without_tcp(),
-                       how, result);
+    played = play_back(program, file_source(output.written()), setup.with_tcp(), setup.without_tcp(), how, result);
   nlohmann::json summary =
       correction_json(o.input.substr(o.input.find_last_of('/') + 1), orientation, how, result, played);
   summary["compensated_by"] = setup.job().tables.empty() ? "nothing" : "tables";

@@ -12,8 +12,25 @@
 
 namespace trunnion {
 
+namespace {
+
+/// A message stays one line of bearable length, whatever file names and fields it repeats.
+std::string one_line(const std::string& text) {
+  constexpr std::size_t kLongest = 500, kBegin = 350, kEnd = 140;
+  std::string line;
+  for (const char c :
+       text.size() <= kLongest ? text : text.substr(0, kBegin) + " ... " + text.substr(text.size() - kEnd))
+    if (c == '\n')
+      line += "\\n";
+    else
+      line += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  return line;
+}
+
+}  // namespace
+
 void Talk::say(const std::string& line) const {
-  if (!quiet) std::fprintf(stderr, "%s\n", line.c_str());
+  if (!quiet) std::fprintf(stderr, "%s\n", one_line(line).c_str());
 }
 
 void Talk::warn(const std::string& line) const { say("warning: " + line); }
@@ -25,7 +42,7 @@ void Talk::show(const std::string& text) const {
 namespace {
 
 int report(int status, const std::string& text) {
-  std::fprintf(stderr, "trunnion: %s\n", text.c_str());
+  std::fprintf(stderr, "trunnion: %s\n", one_line(text).c_str());
   return status;
 }
 

@@ -10,6 +10,7 @@ namespace trunnion {
 namespace {
 
 constexpr std::size_t kLongestLine_bytes = std::size_t{1} << 20;
+constexpr std::size_t kLongestName_bytes = 200, kMostColumns = 1000;
 constexpr double kLargest = 1e15;  ///< what is squared and multiplied later stays finite
 
 std::string shown(std::string_view field) {
@@ -55,6 +56,11 @@ CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), nam
     const std::string column(trimmed(line.substr(from, comma - from)));
     if (column.empty())
       throw InputError(name_, line_, "header: column " + std::to_string(header_.size() + 1) + " has no name");
+    if (column.size() > kLongestName_bytes)
+      throw InputError(name_, line_,
+                       "header: a name of " + std::to_string(column.size()) + " bytes found, column names are wanted");
+    if (header_.size() == kMostColumns)
+      throw InputError(name_, line_, "header: more than " + std::to_string(kMostColumns) + " columns found");
     if (find(column)) throw InputError(name_, line_, "header: column " + column + " occurs twice");
     header_.push_back(column);
     from = comma + 1;

@@ -3,6 +3,7 @@
 #include "error.h"
 #include "io/text_file.h"
 #include "io/toml_reader.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -11,6 +12,8 @@ Range<Angle> degrees(const std::pair<double, double>& r) { return {Angle::degree
 Range<Length> millimetres(const std::pair<double, double>& r) {
   return {Length::millimetres(r.first), Length::millimetres(r.second)};
 }
+
+constexpr double kFarthest_mm = 1e5;  ///< of an axis from R's origin: no machine is that large
 
 void read_axis(TomlReader table, Axis& axis) {
   if (const auto direction = table.numbers("direction", 3)) {
@@ -27,7 +30,11 @@ void read_axis(TomlReader table, Axis& axis) {
     axis.direction = v.normalized();
   }
   if (axis.rotary()) {
-    if (const auto origin = table.numbers("origin_mm", 3)) axis.origin_mm = {(*origin)[0], (*origin)[1], (*origin)[2]};
+    if (const auto origin = table.numbers("origin_mm", 3)) {
+      axis.origin_mm = {(*origin)[0], (*origin)[1], (*origin)[2]};
+      if (const double far = axis.origin_mm.norm(); far > kFarthest_mm)
+        table.fail("origin_mm", formatted("%g mm from R's origin found, 100 m at most is wanted", far));
+    }
     if (const auto range = table.range("range_deg")) axis.range_angle = degrees(*range);
     if (const auto modulo = table.truth("modulo")) axis.modulo = *modulo;
   } else if (const auto range = table.range("range_mm")) {

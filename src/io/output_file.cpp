@@ -106,10 +106,16 @@ OutputFile::OutputFile(std::string path, const std::vector<std::string>& inputs)
     }
     mode_ = info.st_mode & 0777;
   }
-  temporary_ = path_ + ".trunnion-XXXXXX";
-  file_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
-  if (file_ < 0) throw cannot_write(path_, std::strerror(errno));
-  remember(temporary_);
+  // A file without a name vanishes with its writer, however that ends; not every file system has such.
+  const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
+  file_ = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file_ < 0) {
+    temporary_ = path_ + ".trunnion-XXXXXX";
+    file_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
+    if (file_ < 0) throw cannot_write(path_, std::strerror(errno));
+    remember(temporary_);
+  }
+  replaces_ = true;
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(file_, mode_ != 0 ? mode_ : 0666 & ~mask);
@@ -125,7 +131,7 @@ OutputFile::~OutputFile() {
 
 void OutputFile::append(std::string_view text) {
   buffer_ += text;
-  if (!temporary_.empty() && buffer_.size() >= (std::size_t{1} << 20)) flush();
+  if (replaces_ && buffer_.size() >= (std::size_t{1} << 20)) flush();
 }
 
 void OutputFile::flush() {
@@ -141,13 +147,33 @@ void OutputFile::flush() {
 
 std::string OutputFile::written() {
   flush();
-  return temporary_;
+  return temporary_.empty() ? "/proc/self/fd/" + std::to_string(file_) : temporary_;
+}
+
+void OutputFile::settle() {
+  flush();
+  if (replaces_ && ::fsync(file_) != 0) throw cannot_write(path_, std::strerror(errno));
+}
+
+void OutputFile::take_name() {
+  const std::string unnamed = "/proc/self/fd/" + std::to_string(file_);
+  for (int attempt = 0;; ++attempt) {
+    std::string name = path_ + ".trunnion-" + std::to_string(::getpid()) + "-" + std::to_string(attempt);
+    remember(name);
+    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      temporary_ = std::move(name);
+      return;
+    }
+    const int why = errno;
+    forget(name);
+    if (why != EEXIST) throw cannot_write(path_, std::strerror(why));
+  }
 }
 
 void OutputFile::commit() {
-  flush();
-  if (temporary_.empty()) return;
-  if (::fsync(file_) != 0) throw cannot_write(path_, std::strerror(errno));
+  settle();
+  if (!replaces_) return;
+  if (temporary_.empty()) take_name();
   const int closed = ::close(std::exchange(file_, -1));
   if (closed != 0) throw cannot_write(path_, std::strerror(errno));
   if (std::rename(temporary_.c_str(), path_.c_str()) != 0) throw cannot_write(path_, std::strerror(errno));
@@ -186,6 +212,7 @@ void OutputFolder::commit() {
       whole.push_back(std::make_unique<OutputFile>(path.string(), inputs_));
       whole.back()->append(text);
     }
+    for (const auto& file : whole) file->settle();  // whatever fails for want of room fails before the first is moved
     for (const auto& file : whole) file->commit();
   } catch (...) {
     std::error_code ignored;

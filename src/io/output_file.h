@@ -10,7 +10,8 @@
 namespace trunnion {
 
 /// A file that appears whole or not at all: written beside its place, then moved there by commit(). Without commit()
-/// nothing is left, also when the process is interrupted by a signal that it can catch.
+/// nothing is left, also when the process is killed (where the file system has files without names; elsewhere, when it
+/// is interrupted by a signal that it can catch).
 class OutputFile {
  public:
   /// Throws UsageError if `path` is one of `inputs`, also by another name or link; InputError if the place cannot be
@@ -24,15 +25,19 @@ class OutputFile {
   void append(std::string_view text);
   /// Where everything appended so far stands until commit(), to be read again.
   std::string written();
+  /// Brings everything appended so far to the device. Throws InputError when it is full or fails.
+  void settle();
   /// Makes the file appear, replacing what stood there.
   void commit();
 
  private:
   void flush();
-  std::string path_, temporary_;
+  void take_name();
+  std::string path_, temporary_;  ///< temporary_: empty while the file has no name
   std::string buffer_;
   int file_ = -1;
-  mode_t mode_ = 0;  ///< of the file that is replaced; 0 for a new one
+  bool replaces_ = false;  ///< a regular file, new or old; not a device, a pipe or standard output
+  mode_t mode_ = 0;        ///< of the file that is replaced; 0 for a new one
 };
 
 /// OutputFile in one go.
