@@ -155,6 +155,12 @@ void OutputFile::settle() {
   if (replaces_ && ::fsync(file_) != 0) throw cannot_write(path_, std::strerror(errno));
 }
 
+void OutputFile::stand_beside() {
+  if (!replaces_) return;
+  if (temporary_.empty()) take_name();
+  if (::close(std::exchange(file_, -1)) != 0) throw cannot_write(path_, std::strerror(errno));
+}
+
 void OutputFile::take_name() {
   const std::string unnamed = "/proc/self/fd/" + std::to_string(file_);
   for (int attempt = 0;; ++attempt) {
@@ -170,16 +176,18 @@ void OutputFile::take_name() {
   }
 }
 
-void OutputFile::commit() {
-  settle();
+void OutputFile::move() {
   if (!replaces_) return;
-  if (temporary_.empty()) take_name();
-  const int closed = ::close(std::exchange(file_, -1));
-  if (closed != 0) throw cannot_write(path_, std::strerror(errno));
   if (std::rename(temporary_.c_str(), path_.c_str()) != 0) throw cannot_write(path_, std::strerror(errno));
   forget(temporary_);
   temporary_.clear();
-  sync_folder(path_);
+}
+
+void OutputFile::commit() {
+  settle();
+  stand_beside();
+  move();
+  if (replaces_) sync_folder(path_);
 }
 
 void write_whole(const std::string& path, std::string_view text, const std::vector<std::string>& inputs) {
@@ -212,8 +220,12 @@ void OutputFolder::commit() {
       whole.push_back(std::make_unique<OutputFile>(path.string(), inputs_));
       whole.back()->append(text);
     }
-    for (const auto& file : whole) file->settle();  // whatever fails for want of room fails before the first is moved
-    for (const auto& file : whole) file->commit();
+    // Whatever fails for want of room fails before the first is moved; and the moves follow one another at once, so
+    // that hardly a kill finds a set half old, half new.
+    for (const auto& file : whole) file->settle();
+    for (const auto& file : whole) file->stand_beside();
+    for (const auto& file : whole) file->move();
+    for (const auto& file : whole) sync_folder(file->path_);
   } catch (...) {
     std::error_code ignored;
     for (auto path = made.rbegin(); path != made.rend(); ++path) fs::remove(*path, ignored);  // only if empty

@@ -25,14 +25,16 @@ class OutputFile {
   void append(std::string_view text);
   /// Where everything appended so far stands until commit(), to be read again.
   std::string written();
-  /// Brings everything appended so far to the device. Throws InputError when it is full or fails.
-  void settle();
   /// Makes the file appear, replacing what stood there.
   void commit();
 
  private:
+  friend class OutputFolder;
   void flush();
   void take_name();
+  void settle();                  ///< everything is on the device
+  void stand_beside();            ///< under a name beside its place; nothing can be appended any more
+  void move();                    ///< from there to its place
   std::string path_, temporary_;  ///< temporary_: empty while the file has no name
   std::string buffer_;
   int file_ = -1;
