@@ -23,9 +23,9 @@
 #include "io/prediction_file.h"
 #include "model/effects/rotary_error_map.h"
 #include "postproc/dialect.h"
+#include "postproc/piece_program.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
-#include "testpiece/piece_program.h"
 
 namespace trunnion::python {
 namespace {
@@ -293,11 +293,20 @@ Prediction run_predict(const Machine& machine, const Model& model, const TestPie
   check_same_machine(model, machine, "model");
   const Job no_job;
   const KinematicChain chain(machine);
-  const PieceCutting cutting({machine, model, piece, chain, job != nullptr ? *job : no_job, true});
+  const PieceCutting cutting({.machine = machine,
+                              .model = model,
+                              .piece = piece,
+                              .chain = chain,
+                              .job = job != nullptr ? *job : no_job,
+                              .planned = true});
   Prediction p{.surface = evaluated_surface(piece)};
   const std::vector<ToolPosition> path = flank_milling_path(piece, chain);
   if (const auto beyond = cutting.beyond_reach(path)) throw RangeError("piece: " + *beyond);
-  p.program = piece_program(piece, path, machine.tilt_letter());
+  PieceProgramStyle style{"linuxcnc", machine.tilt_letter(), cutting.scan().control, machine.turn().modulo};
+  if (job != nullptr)
+    if (const auto g54 = job->work_offsets_mm.find("G54"); g54 != job->work_offsets_mm.end())
+      style.work_offset_mm = Eigen::Vector3d(g54->second.data());
+  p.program = piece_program(piece, path, chain, style);
   const DeviationSpread spread(piece, p.surface, path, chain, model, cutting.known());
   const auto cut = [&](const std::string& name, const std::vector<ToolPosition>& way) {
     PredictedPiece made{.name = name, .deviation_mm = envelope_deviation_mm(piece, p.surface, cutting.actual(way))};
@@ -310,8 +319,9 @@ Prediction run_predict(const Machine& machine, const Model& model, const TestPie
   cut("uncompensated", path);
   if (!tables_folder.empty()) cut("tables", cutting.under_tables(path, tables_folder));
   if (corrected) {
-    p.corrected_program = cutting.corrected(p.program, "the planned program");
-    cut("corrected", cutting.path_of(p.corrected_program, "the corrected program"));
+    CorrectedPieceProgram made = cutting.corrected(p.program, "the planned program");
+    p.corrected_program = std::move(made.text);
+    cut("corrected", made.path);
   }
   return p;
 }
