@@ -14,6 +14,7 @@
 #include "model/effects/rotary_error_map.h"
 #include "postproc/correction.h"
 #include "postproc/model_field.h"
+#include "postproc/piece_program.h"
 #include "postproc/playback.h"
 
 namespace trunnion {
@@ -156,6 +157,13 @@ PieceCutting::ReadPath PieceCutting::read(const std::string& program, const std:
   set_senses(read.path, chain, setup_.piece.tool.length, kRoundedWords);
   set_times(read.path, setup_.piece);
   return read;
+}
+
+std::string PieceCutting::planned_program(std::span<const ToolPosition> path) const {
+  PieceProgramStyle style{setup_.dialect, setup_.machine.tilt_letter(), scan().control, setup_.machine.turn().modulo};
+  if (const auto g54 = setup_.job.work_offsets_mm.find("G54"); g54 != setup_.job.work_offsets_mm.end())
+    style.work_offset_mm = Eigen::Vector3d(g54->second.data());
+  return piece_program(setup_.piece, path, setup_.chain, style);
 }
 
 CorrectedPieceProgram PieceCutting::corrected(const std::string& program, const std::string& name) const {

@@ -52,6 +52,8 @@ class PieceCutting {
   std::vector<ToolPosition> path_of(const std::string& program, const std::string& name) const {
     return read(program, name).path;
   }
+  /// The path as a program of the setup's dialect, counted from the job's G54.
+  std::string planned_program(std::span<const ToolPosition> path) const;
   /// What `trunnion correct` would write.
   CorrectedPieceProgram corrected(const std::string& program, const std::string& name) const;
 

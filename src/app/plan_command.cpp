@@ -21,6 +21,8 @@
 namespace trunnion {
 namespace {
 
+static_assert(ProbeMoves().standoff_mm <= kLargestStandoff_mm);
+
 struct Options {
   std::string machine, model, observations, spots, nc, output;
   std::vector<std::string> separate;
@@ -227,7 +229,7 @@ Command plan_command(CLI::App& program, const Talk& talk) {
       ->needs("--nc")
       ->group("Output");
   app->add_option("--standoff", o->moves.standoff_mm, "Of the ball from a face before it is probed, mm")
-      ->check(CLI::Range(0.1, 8.0))
+      ->check(CLI::Range(0.1, kLargestStandoff_mm))
       ->capture_default_str()
       ->needs("--nc")
       ->group("Output");

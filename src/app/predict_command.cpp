@@ -20,7 +20,6 @@
 #include "io/provenance.h"
 #include "io/text_file.h"
 #include "postproc/dialect.h"
-#include "postproc/piece_program.h"
 #include "testpiece/part_view.h"
 #include "testpiece/piece_solid.h"
 #include "testpiece/plots.h"
@@ -95,7 +94,7 @@ class Prediction {
     if (o_.program.empty()) {
       path_ = flank_milling_path(piece_, chain_, {.steps_per_turn = o_.steps},
                                  brep_.empty() ? Rulings() : solid_rulings(piece_, brep_));
-      program_ = planned_program();
+      program_ = cutting_.planned_program(path_);
     } else {
       path_ = cutting_.path_of(program_, o_.program);
     }
@@ -109,13 +108,6 @@ class Prediction {
       throw UsageError(o_.program +
                        ": its dialect is not told by the program nor by the machine's controller; --dialect is wanted");
     return told.empty() ? "linuxcnc" : told;
-  }
-
-  std::string planned_program() const {
-    PieceProgramStyle style{dialect_, machine_.tilt_letter(), cutting_.scan().control, machine_.turn().modulo};
-    if (const auto g54 = job_.work_offsets_mm.find("G54"); g54 != job_.work_offsets_mm.end())
-      style.work_offset_mm = Eigen::Vector3d(g54->second.data());
-    return piece_program(piece_, path_, chain_, style);
   }
 
   std::vector<double> deviation_mm(const TestPiece& piece, const SurfaceGrid& surface,

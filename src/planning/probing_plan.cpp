@@ -16,7 +16,6 @@ constexpr double kGrazing = -0.05;  // of the outward normal along the tool's ax
 constexpr double kLever_mm = 100;
 constexpr double kRetract_mm = 30;  // that the probe stands off a face before and after
 constexpr double kPassing_mm = 5;  // that the ball keeps from what it passes by, with all that comes down beside a face
-constexpr double kApproach_mm = 8;  // beside a face
 
 /// What an artifact takes up, as far as its spots tell: their box, and all below it down to the table.
 std::map<std::string, Eigen::AlignedBox3d> boxes_of(const std::vector<Spot>& spots) {
@@ -120,13 +119,13 @@ std::vector<std::size_t> reachable(const Machine& machine, const KinematicChain&
   const Eigen::Vector3d tool_w = r_from_w.linear().transpose() * tool;
   const double radius_mm = machine.probe.ball_radius.in_millimetres();
   const auto boxes = boxes_of(spots);
-  /// The probe comes down along the tool's axis, and its stylus stands there: nothing else may.
+  // The probe comes down along the tool's axis, and its stylus stands there: nothing else may.
   const auto free = [&](const Spot& spot) {
     for (const auto& [artifact, box] : boxes) {
       if (artifact == spot.artifact) continue;
       const Eigen::Vector3d margin = Eigen::Vector3d::Constant(radius_mm + kPassing_mm);
       const Eigen::AlignedBox3d kept(box.min() - margin, box.max() + margin);
-      for (const double off : {radius_mm, radius_mm + kApproach_mm})
+      for (const double off : {radius_mm, radius_mm + kLargestStandoff_mm})
         if (meets(kept, spot.place_w_mm + off * spot.outward_w, tool_w)) return false;
     }
     return true;

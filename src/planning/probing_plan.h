@@ -38,6 +38,9 @@ struct PlanOptions {
 /// The tilts that a plan covers, by the options, the work volume and the stroke of the axis.
 Range<Angle> planned_tilts(const Machine& machine, const PlanOptions& options);
 
+/// Beside a face, where the probe may come down before it touches.
+constexpr double kLargestStandoff_mm = 8;
+
 /// Spots that the probe can touch at a position: the face looks no more than 3 deg away from the tool, no other
 /// artifact stands in the way of a probe that comes down along the tool's axis, and the linear axes reach it. An
 /// artifact is known by its spots alone: their box, and what is below it.

@@ -23,7 +23,6 @@
 #include "io/prediction_file.h"
 #include "model/effects/rotary_error_map.h"
 #include "postproc/dialect.h"
-#include "postproc/piece_program.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
@@ -302,11 +301,7 @@ Prediction run_predict(const Machine& machine, const Model& model, const TestPie
   Prediction p{.surface = evaluated_surface(piece)};
   const std::vector<ToolPosition> path = flank_milling_path(piece, chain);
   if (const auto beyond = cutting.beyond_reach(path)) throw RangeError("piece: " + *beyond);
-  PieceProgramStyle style{"linuxcnc", machine.tilt_letter(), cutting.scan().control, machine.turn().modulo};
-  if (job != nullptr)
-    if (const auto g54 = job->work_offsets_mm.find("G54"); g54 != job->work_offsets_mm.end())
-      style.work_offset_mm = Eigen::Vector3d(g54->second.data());
-  p.program = piece_program(piece, path, chain, style);
+  p.program = cutting.planned_program(path);
   const DeviationSpread spread(piece, p.surface, path, chain, model, cutting.known());
   const auto cut = [&](const std::string& name, const std::vector<ToolPosition>& way) {
     PredictedPiece made{.name = name, .deviation_mm = envelope_deviation_mm(piece, p.surface, cutting.actual(way))};

@@ -80,7 +80,7 @@ TEST(FirstPlan, KeepsTheProbeOffTheOtherColumns) {
     for (const std::size_t k : visit.spots) {
       ++touches;
       const Eigen::Vector3d outward = r_from_w.linear() * spots[k].outward_w;
-      for (const double off : {radius_mm + 0.01, radius_mm + 8})
+      for (const double off : {radius_mm + 0.01, radius_mm + kLargestStandoff_mm})
         for (double up = 0; up < 400; up += 1) {
           const Eigen::Vector3d p =
               w_from_r * (r_from_w * spots[k].place_w_mm + off * outward + Eigen::Vector3d(0, 0, up));

@@ -8,7 +8,10 @@ ends exactly (G61.1), those of the original wait a little:
   - and the tip is where `trunnion evaluate` finds the workpiece: joint = r_from_w(A', C') p + d, p as the original says it.
 """
 
-import csv, importlib.util, math, os, shutil, sys
+import csv, math, os, pathlib, shutil, sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
+import simulated_control as control
 
 WORD_MM, LEFT_MM = 1e-6, 0.15e-3  # of a word; of the tip: four decimals of three words and of two angles
 STILL = 6  # cycles
@@ -17,22 +20,6 @@ PAUSE = "G4 P0.03"
 PROGRAM = ["%", "G21 G90 G94 G61.1 G54", "G0 X0 Y0 Z60 A-10 C0", PAUSE, "G1 X30 Y10 Z40 A-25 C30 F3000", PAUSE,
            "X32 Y11 Z39 A-27 C34", PAUSE, "X20 Y25 A-45 C60", PAUSE, "Y30 Z35", PAUSE, "X-15 Y20 Z30 A-60 C100", PAUSE,
            "G3 X-25 Y30 I-10", PAUSE, "G1 X0 Y0 Z50 A-80 C-20", PAUSE, "M2", "%"]
-
-
-def live_module(source):
-    spec = importlib.util.spec_from_file_location("live", f"{source}/tests/compensation/linuxcnc_live_test.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def replaced(path, *pairs):
-    with open(path) as file:
-        text = file.read()
-    for old, new in pairs:
-        text = text.replace(old, new)
-    with open(path, "w") as file:
-        file.write(text)
 
 
 def ends(lines):
@@ -57,23 +44,19 @@ def stops(rows):
 
 
 def main(trunnion, source, out):
-    for program in ("linuxcncsvr", "halcmd", "halsampler", "milltask"):
-        if shutil.which(program) is None or os.geteuid() != 0:
-            print("LinuxCNC and root are wanted")
-            return 77
-    live = live_module(source)
+    if why := control.missing("halsampler"):
+        print(why)
+        return 77
     shutil.rmtree(out, ignore_errors=True)
     os.makedirs(out)
-    live.write(f"{out}/part.ngc", PROGRAM)
+    control.write(f"{out}/part.ngc", PROGRAM)
     machine, model = f"{source}/machines/seed-trunnion.toml", f"{source}/tests/golden/shared/model.json"
-    live.write(f"{out}/job.toml", ["[work_offsets_mm]", "G54 = [0, 0, 0]"])
-    done = live.sh(f"{trunnion} correct --machine {machine} --model {model} --job {out}/job.toml {out}/part.ngc -o {out}/sent.ngc")
+    control.write(f"{out}/job.toml", ["[work_offsets_mm]", "G54 = [0, 0, 0]"])
+    done = control.sh(f"{trunnion} correct --machine {machine} --model {model} --job {out}/job.toml {out}/part.ngc -o {out}/sent.ngc")
     if done.returncode != 0:
         sys.exit(done.stderr)
-    live.configure(out)
-    replaced(f"{out}/f.ini", ("trunnion_kins", "xyzac-trt-kins"))
-    replaced(f"{out}/f.hal", ("trunnion_kins", "xyzac-trt-kins"))
-    live.write(f"{out}/run.py", [
+    control.configure(out, kinematics="xyzac-trt-kins coordinates=XYZAC")
+    control.write(f"{out}/run.py", [
         "import linuxcnc, time, subprocess",
         "linuxcnc.nmlfile = '/usr/share/linuxcnc/linuxcnc.nml'",
         "c, s = linuxcnc.command(), linuxcnc.stat()",
@@ -87,7 +70,7 @@ def main(trunnion, source, out):
         "    if s.interp_state == linuxcnc.INTERP_IDLE: break",
         "    time.sleep(0.1)",
         "time.sleep(0.5); sampler.terminate(); sampler.wait(20)"])
-    live.run_controller(out)
+    control.run_controller(out)
     with open(f"{out}/samples.txt") as file:
         rows = [[float(x) for x in line.split()] for line in file if len(line.split()) == 10]
     stood = stops(rows)
@@ -95,14 +78,14 @@ def main(trunnion, source, out):
         sent = ends(file)
     original = ends(PROGRAM)
     missing = [end for end in sent if min(max(abs(x - y) for x, y in zip(end, r[:5])) for r in rows) > WORD_MM]
-    kinematics = max(math.dist(live.on_table(s[0:3], s[3], s[4]), s[5:8]) for s in stood)
+    kinematics = max(math.dist(control.on_table(s[0:3], s[3], s[4]), s[5:8]) for s in stood)
     # Ends of the original by the last stop that belongs to them: nearest in the five words.
     matched = [min(stood, key=lambda s: max(abs(x - y) for x, y in zip(end, s[:5]))) for end in original]
     with open(f"{out}/at.csv", "w") as file:
         file.write("A_deg,C_deg,x_mm,y_mm,z_mm\n")
         for end, s in zip(original, matched):
-            file.write(",".join(repr(v) for v in (s[3], s[4], *live.on_table(end[0:3], s[3], s[4]))) + "\n")
-    done = live.sh(f"{trunnion} evaluate --machine {machine} --model {model} --at {out}/at.csv -o {out}/d.csv")
+            file.write(",".join(repr(v) for v in (s[3], s[4], *control.on_table(end[0:3], s[3], s[4]))) + "\n")
+    done = control.sh(f"{trunnion} evaluate --machine {machine} --model {model} --at {out}/at.csv -o {out}/d.csv")
     if done.returncode != 0:
         sys.exit(done.stderr)
     worst = largest = 0
