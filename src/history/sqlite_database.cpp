@@ -37,7 +37,10 @@ class SqliteDatabase : public Database {
     sqlite3_busy_timeout(database, static_cast<int>(std::chrono::milliseconds(kPatience).count()));
     run("PRAGMA foreign_keys = ON");
     run("PRAGMA synchronous = FULL");
-    if (!has_table("trunnion_schema") && !run("SELECT 1 FROM sqlite_master LIMIT 1").empty())
+    // In one statement, so that another process that makes the tables meanwhile is seen wholly or not at all.
+    if (!run("SELECT 1 WHERE EXISTS (SELECT 1 FROM sqlite_master) AND NOT EXISTS "
+             "(SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = 'trunnion_schema')")
+             .empty())
       throw InputError(path_, "is no history of trunnion: it holds other tables");
     if (purpose == OpenFor::adding) use_write_ahead_log();
   }
