@@ -181,6 +181,16 @@ class HistoryTest(unittest.TestCase):
         self.assertEqual([process.wait(120) for process in running], [0, 0])
         self.assertEqual(sorted(self.ids()), list(range(1, 2 * each + 1)))
 
+    @unittest.skipIf(SERVER, "a file's matter")
+    def test_lets_processes_make_a_new_file_at_once(self):
+        words = self.write()
+        for k in range(15):
+            store = f"new{k}.db"
+            running = [subprocess.Popen(self.command("add", *words, store=store), cwd=self.folder, stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.PIPE, text=True) for _ in range(12)]
+            said = [process.communicate(timeout=120)[1] for process in running]
+            self.assertEqual([process.returncode for process in running], [0] * 12, said)
+
     def test_survives_a_kill_at_any_moment(self):
         rng = random.Random(7)
         said_done = set()
