@@ -1,0 +1,367 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include "compensation/controller.h"
+#include "error.h"
+#include "model/model.h"
+#include "sample_models.h"
+
+// What each control does with a file, worked out on paper from its manuals' rules and not from our emitters. The files
+// are written out in full, the arithmetic stands above each number. First order: errors of 1e-5 rad and 0.01 mm leave
+// products of 1e-7 mm.
+
+namespace trunnion {
+namespace {
+
+using compensation_test::trunnion_machine;
+
+constexpr double kSecondOrder_mm = 2e-6;
+constexpr double kRounding = 1e-12;
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// A control with files of ours in it.
+class Bench {
+ public:
+  explicit Bench(const std::string& controller, std::map<std::string, ProfileValue> profile = {},
+                 const std::string& structure = "w C' A' Y' b X Z t")
+      : controller_(controller_named(controller)), machine_(trunnion_machine(controller)) {
+    machine_.structure = parse_structure(structure);
+    machine_.profile = std::move(profile);
+  }
+
+  void load(const std::vector<TableFile>& files) {
+    task_ = std::make_unique<CompensationTask>(machine_, nothing_, TableOptions{}, controller_.questions);
+    played_ = controller_.play(files, *task_);
+  }
+
+  AxisCorrection at(double a_deg, double c_deg, const Eigen::Vector3d& point_mm = {0, 0, 0}, int tilt_sense = 1,
+                    int turn_sense = 1) const {
+    Situation s;
+    s.at = {Angle::degrees(a_deg), Angle::degrees(c_deg)};
+    s.point_r_mm = point_mm;
+    s.tilt_sense = tilt_sense;
+    s.turn_sense = turn_sense;
+    return played_->at(s);
+  }
+  double tilt_deg(double a_deg, int sense = 1) const { return at(a_deg, 0, {0, 0, 0}, sense).tilt_rad / kDegree; }
+  double turn_deg(double c_deg, int sense = 1) const { return at(0, c_deg, {0, 0, 0}, 1, sense).turn_rad / kDegree; }
+
+ private:
+  const Controller& controller_;
+  Machine machine_;
+  Model nothing_;
+  std::unique_ptr<CompensationTask> task_;
+  std::unique_ptr<PlayedCompensation> played_;
+};
+
+/// X, Y, Z in um.
+MATCHER_P3(MovesUm, x, y, z, "") {
+  *result_listener << "moves " << (1e3 * arg.linear_mm).transpose() << " um";
+  return (arg.linear_mm - 1e-3 * Eigen::Vector3d(x, y, z)).norm() < kSecondOrder_mm;
+}
+
+// SINUMERIK ----------------------------------------------------------------------------------------------------------
+
+/// A stands 0.0010 deg too far at 30 deg: a positive value drives the axis back. The end value is held.
+TEST(SinumerikByHand, AnEncoderTableIsTakenAway) {
+  Bench bench("sinumerik-840d");
+  bench.load({{"AX4_EEC.INI",
+               "%_N_AX4_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,AX4]=0.0004\n$AA_ENC_COMP[0,1,AX4]=0.0\n"
+               "$AA_ENC_COMP[0,2,AX4] = +0.0010 ; a comment\n$AA_ENC_COMP[0, 3, AX4]=0.0015\n"
+               "$AA_ENC_COMP[0,4,AX4]=0.0\n$AA_ENC_COMP_STEP[0,AX4]=30.0\n$AA_ENC_COMP_MIN[0,AX4]=-30.0\n"
+               "$AA_ENC_COMP_MAX[0,AX4]=90.0\n$AA_ENC_COMP_IS_MODULO[0,AX4]=0\nM17\n"}});
+  EXPECT_NEAR(bench.tilt_deg(30), -0.0010, kRounding);
+  EXPECT_NEAR(bench.tilt_deg(0), 0, kRounding);
+  EXPECT_NEAR(bench.tilt_deg(15), -0.0005, kRounding);  // half of 0.0010
+  EXPECT_NEAR(bench.tilt_deg(40), -0.00116667, 1e-8);   // 0.0010 + (10/30) 0.0005
+  EXPECT_NEAR(bench.tilt_deg(-30), -0.0004, kRounding);
+  EXPECT_NEAR(bench.tilt_deg(-100), -0.0004, kRounding);  // node 0, held
+  EXPECT_NEAR(bench.tilt_deg(100), 0, kRounding);         // node 4, held
+  EXPECT_EQ(bench.turn_deg(30), 0);
+  EXPECT_THAT(bench.at(30, 0, {10, 20, 30}), MovesUm(0, 0, 0));
+}
+
+/// C's table repeats: -60 deg is 300, half way from node 2 (240) at -0.003 to node 3 (360 = 0) at 0.001.
+TEST(SinumerikByHand, AModuloTableRepeats) {
+  Bench bench("sinumerik-840d");
+  bench.load({{"AX5_EEC.INI",
+               "$AA_ENC_COMP[0,0,AX5]=0.001\n$AA_ENC_COMP[0,1,AX5]=0.002\n$AA_ENC_COMP[0,2,AX5]=-0.003\n"
+               "$AA_ENC_COMP[0,3,AX5]=0.001\n$AA_ENC_COMP_STEP[0,AX5]=120\n$AA_ENC_COMP_MIN[0,AX5]=0\n"
+               "$AA_ENC_COMP_MAX[0,AX5]=360\n$AA_ENC_COMP_IS_MODULO[0,AX5]=1\nM17\n"}});
+  EXPECT_NEAR(bench.turn_deg(-60), 0.001, kRounding);   // -(-0.003 + 0.001)/2
+  EXPECT_NEAR(bench.turn_deg(480), -0.002, kRounding);  // 120
+  EXPECT_NEAR(bench.turn_deg(-240), -0.002, kRounding);
+}
+
+std::string sag(const std::string& t, const std::string& input, const std::string& output, const std::string& nodes,
+                const std::string& rest) {
+  return nodes + "$AN_CEC_INPUT_AXIS[" + t + "]=(" + input + ")\n$AN_CEC_OUTPUT_AXIS[" + t + "]=(" + output + ")\n" +
+         rest;
+}
+
+/// Y over A at -30, 0, 30, 60, 90 deg: 4, 0, -2, -5, -9 um.
+const std::string kSagOfY =
+    sag("0", "AX4", "AX2",
+        "$AN_CEC[0,0]=0.004\n$AN_CEC[0,1]=0.0\n$AN_CEC[0,2]=-0.002\n$AN_CEC[0,3]=-0.005\n$AN_CEC[0,4]=-0.009\n",
+        "$AN_CEC_STEP[0]=30.0\n$AN_CEC_MIN[0]=-30.0\n$AN_CEC_MAX[0]=90.0\n$AN_CEC_IS_MODULO[0]=0\n"
+        "$SN_CEC_TABLE_ENABLE[0]=1\n");
+const std::string kBothWays = "$AN_CEC_DIRECTION[0]=0\n", kAlone = "$AN_CEC_MULT_BY_TABLE[0]=0\n";
+
+TEST(SinumerikByHand, ASagTableActsOnAnotherAxisWithTheSignOfTheProfile) {
+  Bench adds("sinumerik-840d", {{"cec_sign", std::string("add")}}),
+      subtracts("sinumerik-840d", {{"cec_sign", std::string("subtract")}});
+  const TableFile file{"CEC.INI", "%_N_NC_CEC_INI\nCHANDATA(1)\n" + kSagOfY + kBothWays + kAlone + "M17\n"};
+  adds.load({file});
+  subtracts.load({file});
+  EXPECT_THAT(adds.at(45, 0), MovesUm(0, -3.5, 0));  // half way from -2 to -5
+  EXPECT_THAT(subtracts.at(45, 0), MovesUm(0, 3.5, 0));
+  EXPECT_THAT(adds.at(-70, 0), MovesUm(0, 4, 0));
+  EXPECT_THAT(adds.at(120, 0), MovesUm(0, -9, 0));
+  EXPECT_EQ(adds.at(45, 0).tilt_rad, 0);
+}
+
+TEST(SinumerikByHand, ASagTableMayActInOneDirectionOfItsInputAxisOnly) {
+  Bench bench("sinumerik-840d");
+  bench.load({{"CEC.INI", kSagOfY + "$AN_CEC_DIRECTION[0]=-1\n" + kAlone + "M17\n"}});
+  EXPECT_THAT(bench.at(30, 0, {0, 0, 0}, 1, -1), MovesUm(0, 0, 0));
+  EXPECT_THAT(bench.at(30, 0, {0, 0, 0}, -1, 1), MovesUm(0, -2, 0));
+}
+
+/// MULT_BY_TABLE holds a number, and numbers begin at 1 where indices begin at 0: 2 is the table of index 1, which
+/// holds 0.002 X. At A 60, X 100 the product is -5 um x 0.2 = -1 um.
+TEST(SinumerikByHand, AProductTakesItsFactorByNumber) {
+  const std::string factor =
+      sag("1", "AX1", "AX2", "$AN_CEC[1,0]=-0.4\n$AN_CEC[1,1]=0.4\n",
+          "$AN_CEC_STEP[1]=400\n$AN_CEC_MIN[1]=-200\n$AN_CEC_MAX[1]=200\n$AN_CEC_DIRECTION[1]=0\n"
+          "$AN_CEC_MULT_BY_TABLE[1]=0\n$AN_CEC_IS_MODULO[1]=0\n");
+  const std::string both = kSagOfY + kBothWays + "$AN_CEC_MULT_BY_TABLE[0]=2\n" + factor;
+  const TableFile off{"CEC.INI", both + "$SN_CEC_TABLE_ENABLE[1]=0\nM17\n"},
+      on{"CEC.INI", both + "$SN_CEC_TABLE_ENABLE[1]=1\nM17\n"};
+  Bench instead("sinumerik-840d", {{"cec_product", std::string("instead of the table's own value")}});
+  instead.load({off});
+  EXPECT_THAT(instead.at(60, 0, {100, 0, 0}), MovesUm(0, -1, 0));
+  EXPECT_THAT(instead.at(60, 0, {-100, 0, 0}), MovesUm(0, 1, 0));
+  // Beside its own value: -5 - 1.
+  Bench beside("sinumerik-840d", {{"cec_product", std::string("beside the table's own value")}});
+  beside.load({off});
+  EXPECT_THAT(beside.at(60, 0, {100, 0, 0}), MovesUm(0, -6, 0));
+  // A factor that is on moves Y by itself: 0.2 mm.
+  instead.load({on});
+  EXPECT_THAT(instead.at(60, 0, {100, 0, 0}), MovesUm(0, 199, 0));
+  // Where a factor must be on and is off, nothing is left of the product.
+  Bench must("sinumerik-840d", {{"cec_factor", std::string("must be switched on")}});
+  must.load({off});
+  EXPECT_THAT(must.at(60, 0, {100, 0, 0}), MovesUm(0, 0, 0));
+}
+
+// ISG, TwinCAT -------------------------------------------------------------------------------------------------------
+
+const std::string kVolcList =
+    "# axis mapping\nX 1\nY 2\nZ 3\nA 4\nC 5\nworkpiece_axes 2\ninterpolation GRID\nenable_splicing FALSE\n"
+    "file[0] trunnion.csv\nfile_format[0] ISG_CSV\n";
+const std::string kVolcTable =
+    "// constants, then A errors, then C errors over (A,C)\n"
+    "Y0A Z0A B0A C0A X0C Y0C A0C B0C\n0.0120 -0.0080 0.000031 -0.000012 0.0035 0.0021 0.000008 0.000015\n#\n"
+    "A EXA EYA EZA EAA EBA ECA\n-30 0.0010 0.0040 -0.0010 0.0000070 0.000004 0.000001\n0   0 0 0 0 0 0\n"
+    "90  0.0020 -0.0090 0.0030 0 -0.000006 0.000002\n#\nA C EXC EYC EZC EAC EBC ECC\n-30 0   0 0 0 0 0 0\n"
+    "-30 180 0.0009 -0.0018 0.0000 0.000003 0 0\n-30 360 0 0 0 0 0 0\n0  0   0 0 0 0 0 0\n"
+    "0  180 0.0010 -0.0020 0.0000 0.000003 0 0\n0  360 0 0 0 0 0 0\n90 0   0.0005 0 0 0 0 0\n"
+    "90 180 0.0012 -0.0024 0.0001 0.000003 0 0\n90 360 0.0005 0 0 0 0 0\n";
+
+/// At A 90, C 180, tip (100, 50, -20), in um and urad, constants and tables added:
+///   A: d (2, -9 + 12, 3 - 8) = (2, 3, -5), e (0, -6 + 31, 2 - 12) = (0, 25, -10),
+///      e x q = (25 (-20) + 10 (50), -10 (100), -25 (100)) = (0, -1000, -2500) nm
+///   C: d (1.2 + 3.5, -2.4 + 2.1, 0.1) = (4.7, -0.3, 0.1), e (3 + 8, 15, 0),
+///      in A's frame q is (x, z, -y) = (100, -20, -50), e x that = (15 (-50), -11 (-50), 11 (-20) - 15 (100))
+///      = (-750, 550, -1720) nm; together (3.95, 0.25, -1.62), in R (x, -z, y): (3.95, 1.62, 0.25)
+/// and the sum is (5.95, 3.62, -7.25), by which the tool follows the work.
+TEST(IsgByHand, TheToolFollowsTheWorkByTheErrorsOfBothAxes) {
+  Bench bench("isg-twincat", {}, "w C' A' b X Y Z t");
+  bench.load({{"volcomp0.lis", kVolcList}, {"trunnion.csv", kVolcTable}});
+  EXPECT_THAT(bench.at(90, 180, {100, 50, -20}), MovesUm(5.95, 3.62, -7.25));
+  EXPECT_EQ(bench.at(90, 180, {100, 50, -20}).tilt_rad, 0);
+  bench.load({{"volcomp0.lis", kVolcList + "negate TRUE\n"}, {"trunnion.csv", kVolcTable}});
+  EXPECT_THAT(bench.at(90, 180, {100, 50, -20}), MovesUm(-5.95, -3.62, 7.25));
+}
+
+/// Half way in A and in C at once: (0 + 1.0 + 0.5 + 1.2) / 4 = 0.675 um along X, which A does not turn.
+/// C -90 is 270: the rows of 180 and 360. Beyond 90 the edge.
+TEST(IsgByHand, AMapIsBilinear) {
+  Bench bench("isg-twincat", {}, "w C' A' b X Y Z t");
+  bench.load({{"volcomp0.lis", kVolcList},
+              {"trunnion.csv", "A C EXC\n0 0 0\n0 180 0.0010\n0 360 0\n90 0 0.0005\n90 180 0.0012\n90 360 0.0005\n"}});
+  EXPECT_THAT(bench.at(45, 90), MovesUm(0.675, 0, 0));
+  EXPECT_THAT(bench.at(45, -90), MovesUm(0.675, 0, 0));
+  EXPECT_THAT(bench.at(110, 180), MovesUm(1.2, 0, 0));
+  EXPECT_THAT(bench.at(90, 45), MovesUm(0.675, 0, 0));  // 0.5 + (1.2 - 0.5)/4
+}
+
+/// X stands 4 um too far and 1 um too high at 100 mm: the command goes back by both, half of it at 50.
+TEST(IsgByHand, ErrorsOfALinearAxisAreTakenAway) {
+  Bench bench("isg-twincat", {}, "w C' A' b X Y Z t");
+  bench.load({{"volcomp0.lis", kVolcList}, {"trunnion.csv", "X EXX EZX\n0 0 0\n100 0.004 0.001\n"}});
+  EXPECT_THAT(bench.at(0, 0, {100, 7, 7}), MovesUm(-4, 0, -1));
+  EXPECT_THAT(bench.at(0, 0, {50, 0, 0}), MovesUm(-2, 0, -0.5));
+}
+
+// HEIDENHAIN ---------------------------------------------------------------------------------------------------------
+
+const std::string kComA =
+    "BEGIN AXIS_A.COM MM\n"
+    "NR   AXISPOS       BACKLASH      A         C1        C2        C6\n"
+    "0    -30.0000                    +0.0004             +0.0040\n"
+    "1    +0.0000                     +0.0000             +0.0000\n"
+    "2    +30.0000                    +0.0010             +0.0020   +0.0020\n"
+    "[END]\n";
+const std::string kComC =
+    "BEGIN AXIS_C.COM MM\n"
+    "NR   AXISPOS       C         C1        C2        C3\n"
+    "0    +0.0000       +0.0000\n"
+    "1    +90.0000      -0.0030   +0.0030   +0.0040   +0.0050\n"
+    "2    +360.0000     +0.0000\n"
+    "[END]\n";
+const std::string kRowsOfBoth =
+    "NR   DOC   KEY       AXIS  COORD  COMPTAB\n0 EYA Trans Y A..C2\n1 ECA Trans C A..C6\n2 MachAxis A\n"
+    "3 EXC Trans X C..C1\n4 EYC Trans Y C..C2\n5 EZC Trans Z C..C3\n6 MachAxis C\n";
+
+/// The axis' own column is an error and is taken away; what stands in COMPTAB moves the work, and the tool follows.
+/// A 30: EYA 2 um, ECA 0.002 deg = 34.907 urad, at (100, 40, 0): (-40, 100) x 34.907 nm = (-1.396, 3.491) um.
+TEST(HeidenhainByHand, OwnColumnsAreTakenAwayAndInsertedErrorsFollowed) {
+  Bench bench("heidenhain");
+  bench.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", kComC}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}});
+  EXPECT_NEAR(bench.tilt_deg(30), -0.0010, kRounding);
+  EXPECT_NEAR(bench.tilt_deg(-15), -0.0002, kRounding);
+  EXPECT_NEAR(bench.turn_deg(90), 0.0030, kRounding);
+  EXPECT_NEAR(bench.turn_deg(225), 0.0015, kRounding);  // half way from 90 to 360
+  EXPECT_NEAR(bench.turn_deg(-135), 0.0015, kRounding);
+  EXPECT_THAT(bench.at(30, 0, {100, 40, 0}), MovesUm(-1.396, 2 + 3.491, 0));
+  EXPECT_THAT(bench.at(15, 0, {100, 40, 0}), MovesUm(-0.698, 1 + 1.745, 0));
+  EXPECT_THAT(bench.at(-60, 0, {100, 40, 0}), MovesUm(0, 4, 0));  // held
+}
+
+/// Errors of C stand in A's frame. At A -90 that has its Y along -Z and its Z along Y of R: (3, 4, 5) is (3, 5, -4).
+/// A's own EYA of 4 um (held below -30) comes to it.
+TEST(HeidenhainByHand, ErrorsOfCTurnWithA) {
+  Bench bench("heidenhain");
+  bench.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", kComC}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}});
+  EXPECT_THAT(bench.at(-90, 90), MovesUm(3, 4 + 5, -4));
+  EXPECT_THAT(bench.at(0, 90), MovesUm(3, 4, 5));
+}
+
+TEST(HeidenhainByHand, ValuesMayBeCorrectionsAndColumnsNotInsertedAreNotPlayed) {
+  Bench bench("heidenhain", {{"com_sign", std::string("correction")}});
+  bench.load({{"AXIS_A.COM", kComA},
+              {"AXIS_C.COM", kComC},
+              {"KINEMATICS_COMP.TXT",
+               "NR   DOC   KEY       AXIS  COORD  COMPTAB\n0 MachAxis A\n"
+               "3 EXC Trans X C..C1\n6 MachAxis C\n"}});
+  EXPECT_NEAR(bench.tilt_deg(30), 0.0010, kRounding);
+  EXPECT_THAT(bench.at(30, 90), MovesUm(-3, 0, 0));
+}
+
+// FANUC --------------------------------------------------------------------------------------------------------------
+
+/// C every 45 deg in thousandths of a degree, from its reference on: errors 0 1 3 4 2 0 -2 -1 0, so that 0 -1 -3 -4 -2
+/// 0 2 1 0 is to be added and the increments are -1 -2 -1 2 2 2 -1 -1. A: 0 at its reference, 3 further at -45.
+const std::string kPitch =
+    "%\nN3620A4P60;\nN3621A4P58;\nN3622A4P61;\nN3623A4P1;\nN3624A4P45.0;\nN10058P0;\nN10059P5;\nN10060P-3;\nN10061P0;\n"
+    "N3620A5P160;\nN3621A5P160;\nN3622A5P168;\nN3623A5P1;\nN3624A5P45.0;\nN3625A5P360.0;\nN10160P-1;\nN10161P-1;\n"
+    "N10162P-2;\nN10163P-1;\nN10164P2;\nN10165P2;\nN10166P2;\nN10167P-1;\nN10168P-1;\n";
+
+TEST(FanucByHand, IncrementsAddUpFromTheReferenceOn) {
+  Bench bench("fanuc-30i", {{"detection_unit_deg", 0.001}});
+  bench.load({{"PARAM.TXT", kPitch + "%\n"}});
+  const double wanted[] = {0, -1, -3, -4, -2, 0, 2, 1, 0};
+  for (int k = 0; k <= 8; ++k) EXPECT_NEAR(bench.turn_deg(45 * k), 0.001 * wanted[k], kRounding) << 45 * k;
+  EXPECT_NEAR(bench.turn_deg(67.5), -0.002, kRounding);
+  EXPECT_NEAR(bench.turn_deg(-45), 0.001, kRounding);
+  // On the way down from 60 to 59 the increment of 60 (-3) is passed backwards, from 59 to 58 that of 59 (+5).
+  EXPECT_NEAR(bench.tilt_deg(-45), 0.003, kRounding);
+  EXPECT_NEAR(bench.tilt_deg(-90), -0.002, kRounding);
+  EXPECT_NEAR(bench.tilt_deg(0), 0, kRounding);
+  // What follows shares the file: 3623 makes it 7 times as much, the profile turns it round.
+  std::string larger = kPitch;
+  larger.replace(larger.find("N3623A5P1;"), 10, "N3623A5P7;");
+  bench.load({{"PARAM.TXT", larger + "%\n"}});
+  EXPECT_NEAR(bench.turn_deg(135), -0.028, kRounding);
+  Bench subtracts("fanuc-30i", {{"detection_unit_deg", 0.001}, {"pitch_sign", std::string("subtract")}});
+  subtracts.load({{"PARAM.TXT", kPitch + "%\n"}});
+  EXPECT_NEAR(subtracts.turn_deg(135), 0.004, kRounding);
+}
+
+/// A's line is 20 um higher in Y than R's origin. A -90 turns about it: o - R o = (0, 20, 0) - (0, 0, -20) um. C's line
+/// is 10 um beside A's in X: half a turn, (10, 0, 0) - (-10, 0, 0).
+TEST(FanucByHand, ToolCentrePointControlFollowsThePlacesOfTheAxes) {
+  Bench bench("fanuc-30i", {{"detection_unit_deg", 0.001}});
+  bench.load({{"PARAM.TXT", kPitch + "N19680P12;\nN19700P0.0;\nN19701P0.02;\nN19702P0.0;\nN19703P0.01;\nN19704P-0.02;\n"
+                                     "N19705P0.0;\n%\n"}});
+  EXPECT_THAT(bench.at(-90, 0, {30, 40, 50}), MovesUm(0, 20, 20));
+  EXPECT_THAT(bench.at(0, 180, {30, 40, 50}), MovesUm(20, 0, 0));
+  EXPECT_THAT(bench.at(0, 0, {30, 40, 50}), MovesUm(0, 0, 0));
+}
+
+// AEROTECH -----------------------------------------------------------------------------------------------------------
+
+/// Rows over C (axis 5) every 90 deg from 0, columns over A (4) every 30 deg from -30, X and Y in um.
+const std::string kCal =
+    "' (A,C) map, X and Y\n:START2D 5 4 1 2 90 30 5\n"
+    ":START2D POSUNIT=PRIMARY CORUNIT=PRIMARY/1000 OFFSETROW=0 OFFSETCOL=30\n"
+    "0.4 4.0  0.0 0.0  -0.2 -2.0  -0.5 -5.0  -0.9 -9.0\n3.4 4.1  3.0 0.2   2.8 -1.9   2.5 -4.8   2.1 -8.8\n"
+    "1.4 3.8  1.0 -0.3  0.8 -2.2   0.5 -5.3   0.1 -9.3\n-1.6 4.0 -2.0 0.0 -2.2 -2.0  -2.5 -5.0  -2.9 -9.0\n"
+    "0.4 4.0  0.0 0.0  -0.2 -2.0  -0.5 -5.0  -0.9 -9.0\n:END\n";
+
+TEST(AerotechByHand, ATableIsAddedBilinearAndHeldAtItsEnds) {
+  Bench bench("aerotech");
+  bench.load({{"trunnion.cal", kCal}});
+  EXPECT_THAT(bench.at(0, 90), MovesUm(3.0, 0.2, 0));
+  EXPECT_THAT(bench.at(30, 180), MovesUm(0.8, -2.2, 0));
+  EXPECT_THAT(bench.at(15, 45), MovesUm(1.4, -0.925, 0));  // (0 - 0.2 + 3 + 2.8)/4, (0 - 2 + 0.2 - 1.9)/4
+  EXPECT_THAT(bench.at(-60, 180), MovesUm(1.4, 3.8, 0));
+  EXPECT_THAT(bench.at(120, 270), MovesUm(-2.9, -9.0, 0));
+  EXPECT_EQ(bench.at(15, 45).tilt_rad, 0);
+  // Tables add up; NEGCOR turns one round.
+  bench.load({{"trunnion.cal", kCal + kCal}});
+  EXPECT_THAT(bench.at(15, 45), MovesUm(2.8, -1.85, 0));
+  std::string negated = kCal;
+  negated.replace(negated.find("POSUNIT"), 7, "NEGCOR POSUNIT");
+  bench.load({{"trunnion.cal", negated}});
+  EXPECT_THAT(bench.at(15, 45), MovesUm(-1.4, 0.925, 0));
+}
+
+/// Three outputs, of which one turns: thousandths of its primary unit, degrees. In mm without a divisor.
+TEST(AerotechByHand, UnitsAreThoseOfEachOutput) {
+  Bench bench("aerotech");
+  bench.load({{"trunnion.cal",
+               ":START2D 5 4 4 5 180 90 2\n:START2D POSUNIT=PRIMARY CORUNIT=PRIMARY/1000 OFFSETROW=0 OFFSETCOL=90\n"
+               "0 0  0 0\n5 -3  0 0\n0 0  0 0\n:END\n"
+               ":START2D 1 4 1 2 100 90 2\n:START2D OUTAXIS3=3 POSUNIT=PRIMARY CORUNIT=PRIMARY OFFSETROW=0 "
+               "OFFSETCOL=90\n0 0 0  0 0 0\n0.001 0.002 0.003  0 0 0\n:END\n"}});
+  EXPECT_NEAR(bench.at(-90, 180).tilt_rad / kDegree, 0.005, kRounding);
+  EXPECT_NEAR(bench.at(-90, 180).turn_rad / kDegree, -0.003, kRounding);
+  EXPECT_THAT(bench.at(-90, 0, {100, 0, 0}), MovesUm(1, 2, 3));
+  EXPECT_THAT(bench.at(-45, 0, {50, 0, 0}), MovesUm(0.25, 0.5, 0.75));
+}
+
+/// An encoder of X that counts against the program: the same numbers move X the other way. One of C likewise: it stands
+/// at -90 for C 90, the second row from 0 in steps of -90.
+TEST(AerotechByHand, PositionsAndCorrectionsFollowTheEncoders) {
+  Bench x_against("aerotech", {{"encoder_sense_X", -1.0}});
+  x_against.load({{"trunnion.cal", kCal}});
+  EXPECT_THAT(x_against.at(0, 90), MovesUm(-3.0, 0.2, 0));
+  Bench c_against("aerotech", {{"encoder_sense_C", -1.0}});
+  std::string file = kCal;
+  file.replace(file.find(" 90 30 5"), 8, " -90 30 5");
+  c_against.load({{"trunnion.cal", file}});
+  EXPECT_THAT(c_against.at(0, 90), MovesUm(3.0, 0.2, 0));
+  Bench subtracts("aerotech", {{"cal_sign", std::string("subtract")}});
+  subtracts.load({{"trunnion.cal", kCal}});
+  EXPECT_THAT(subtracts.at(0, 90), MovesUm(-3.0, -0.2, 0));
+}
+
+}  // namespace
+}  // namespace trunnion
