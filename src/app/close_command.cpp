@@ -9,6 +9,7 @@
 #include "app/error_text.h"
 #include "app/map_change.h"
 #include "app/piece_closure.h"
+#include "app/progress.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
 #include "discovery/closure.h"
@@ -178,7 +179,11 @@ int run(const Options& o, const Talk& talk) {
       talk.say(std::to_string(piece->observations().unsteady) +
                " points of the piece left out: an axis reversed while they were cut");
   }
-  ClosureResult result = close_loop(all, calibration_rows, machine);
+  ClosureResult result;
+  {
+    const Progress progress(talk, "search " + std::to_string(all.rows.size()) + " readings");
+    result = close_loop(all, calibration_rows, machine);
+  }
   const nlohmann::json provenance = provenance_json(inputs);
   nlohmann::json closure = closure_json(result);
   if (piece) closure["piece"] = piece->json(result, piece_rows);

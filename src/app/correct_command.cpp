@@ -1,18 +1,17 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
 #include "app/correction_report.h"
 #include "app/program_setup.h"
+#include "app/progress.h"
 #include "app/text_table.h"
 #include "error.h"
 #include "io/job_file.h"
@@ -76,6 +75,17 @@ double file_size(const std::string& path) {
   return error ? 0 : static_cast<double>(size);
 }
 
+/// `program`, telling how many bytes of it were read.
+OpenProgram counted(OpenProgram program, std::function<void(double)> tell) {
+  return [program = std::move(program), tell = std::move(tell)] {
+    return [read = program(), tell, bytes = 0.0](char* buffer, std::size_t size) mutable {
+      const std::size_t taken = read(buffer, size);
+      tell(bytes += static_cast<double>(taken));
+      return taken;
+    };
+  };
+}
+
 /// The beginning of a program.
 std::string head_of(const OpenProgram& program) {
   std::string head(std::size_t{1} << 16, '\0');
@@ -83,32 +93,6 @@ std::string head_of(const OpenProgram& program) {
   head.resize(read(head.data(), head.size()));
   return head;
 }
-
-/// How far a long program has come, on a terminal.
-class ProgressLine {
- public:
-  ProgressLine(const std::string& path, const Talk& talk)
-      : shown_(!talk.quiet && ::isatty(STDERR_FILENO) != 0), size_(file_size(path)) {}
-  ~ProgressLine() {
-    if (written_) std::fprintf(stderr, "\r\033[K");
-  }
-  void at(std::uint64_t bytes) {
-    if (!shown_) return;
-    const double now = seconds();
-    if (now < next_) return;
-    next_ = now + 0.5;
-    const double done = static_cast<double>(bytes);
-    std::fprintf(stderr, "\r%3.0f %%, %.0f MB/s, %.0f s left ", 100 * done / std::max(size_, 1.0), 1e-6 * done / now,
-                 now * (size_ - done) / std::max(done, 1.0));
-    written_ = true;
-  }
-
- private:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  bool shown_, written_ = false;
-  double size_, next_ = 1;
-};
 
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
@@ -142,8 +126,8 @@ int run(const Options& o, const Talk& talk) {
   OutputFile output(o.output, inputs);
   ProgramCorrectionResult result;
   {
-    ProgressLine line(o.input, talk);
-    how.progress = [&](std::uint64_t bytes) { line.at(bytes); };
+    Progress progress(talk, "correct", 1e-6 * file_size(o.input), "MB");
+    how.progress = [&](std::uint64_t bytes) { progress.at(1e-6 * static_cast<double>(bytes)); };
     result = correct_program(
         program, [&](std::string_view text) { output.append(text); }, setup.with_tcp(), setup.without_tcp(), how);
   }
@@ -151,8 +135,11 @@ int run(const Options& o, const Talk& talk) {
     talk.warn(o.input + ":" + std::to_string(refusal.line) + ": copied uncorrected: " + refusal.reason);
 
   std::optional<PlaybackResult> played;
-  if (!o.report.empty() && result.refusals.empty())
-    played = play_back(program, file_source(output.written()), setup.with_tcp(), setup.without_tcp(), how, result);
+  if (!o.report.empty() && result.refusals.empty()) {
+    Progress progress(talk, "play back", 1e-6 * file_size(o.input), "MB");
+    played = play_back(counted(program, [&](double bytes) { progress.at(1e-6 * bytes); }),
+                       file_source(output.written()), setup.with_tcp(), setup.without_tcp(), how, result);
+  }
   nlohmann::json summary =
       correction_json(o.input.substr(o.input.find_last_of('/') + 1), orientation, how, result, played);
   summary["compensated_by"] = setup.job().tables.empty() ? "nothing" : "tables";

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "app/command.h"
+#include "app/progress.h"
 #include "app/text_table.h"
 #include "error.h"
 #include "io/csv.h"
@@ -149,37 +150,40 @@ int run(const Options& o, const Talk& talk) {
   Situation s;
   std::size_t rows = 0, held = 0;
   double largest = 0;
-  while (positions.next(s)) {
-    bool extrapolated = false;
-    if (map != nullptr && !map->surface().covers(s.at.a)) {
-      const Range<Angle> range = map->surface().a_range();
-      if (!hold)
-        throw RangeError(o.positions + ":" + std::to_string(positions.csv().line()) + ": " + machine.tilt_letter() +
-                         "_deg: " + positions.tilt_text() + " found, the map was measured from " +
-                         formatted("%.6g", range.low.in_degrees()) + " to " +
-                         formatted("%.6g", range.high.in_degrees()) + "; --extrapolate hold takes the end");
-      s.at.a = std::clamp(s.at.a, range.low, range.high);
-      extrapolated = true;
-      ++held;
+  {
+    Progress progress(talk, "evaluate", static_cast<double>(std::ranges::count(text, '\n')), "rows");
+    while (positions.next(s)) {
+      bool extrapolated = false;
+      if (map != nullptr && !map->surface().covers(s.at.a)) {
+        const Range<Angle> range = map->surface().a_range();
+        if (!hold)
+          throw RangeError(o.positions + ":" + std::to_string(positions.csv().line()) + ": " + machine.tilt_letter() +
+                           "_deg: " + positions.tilt_text() + " found, the map was measured from " +
+                           formatted("%.6g", range.low.in_degrees()) + " to " +
+                           formatted("%.6g", range.high.in_degrees()) + "; --extrapolate hold takes the end");
+        s.at.a = std::clamp(s.at.a, range.low, range.high);
+        extrapolated = true;
+        ++held;
+      }
+      const auto [table, d] = evaluated(model, s, positions.csv());
+      largest = std::max(largest, d.norm());
+      line.assign(positions.csv().row_text());
+      const auto append = [&](double value) {
+        line += ',';
+        append_number(line, value);
+      };
+      for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * d[k]);
+      for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * table.translation_mm[k]);
+      for (Eigen::Index k = 0; k < 3; ++k) append(1e6 * table.rotation_rad[k]);
+      if (uncertain) {
+        const Eigen::Vector3d variance = deviation_covariance_mm2(model, s).diagonal().cwiseMax(0);
+        for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * std::sqrt(variance[k]));
+        append(1e3 * std::sqrt(variance.sum()));
+      }
+      if (hold) line += extrapolated ? ",1" : ",0";
+      output.append(line + "\n");
+      progress.at(static_cast<double>(++rows));
     }
-    const auto [table, d] = evaluated(model, s, positions.csv());
-    largest = std::max(largest, d.norm());
-    line.assign(positions.csv().row_text());
-    const auto append = [&](double value) {
-      line += ',';
-      append_number(line, value);
-    };
-    for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * d[k]);
-    for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * table.translation_mm[k]);
-    for (Eigen::Index k = 0; k < 3; ++k) append(1e6 * table.rotation_rad[k]);
-    if (uncertain) {
-      const Eigen::Vector3d variance = deviation_covariance_mm2(model, s).diagonal().cwiseMax(0);
-      for (Eigen::Index k = 0; k < 3; ++k) append(1e3 * std::sqrt(variance[k]));
-      append(1e3 * std::sqrt(variance.sum()));
-    }
-    if (hold) line += extrapolated ? ",1" : ",0";
-    output.append(line + "\n");
-    ++rows;
   }
   output.commit();
   for (const std::string& column : positions.blank())

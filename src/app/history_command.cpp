@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/history_text.h"
+#include "app/progress.h"
 #include "error.h"
 #include "history/date.h"
 #include "io/json_text.h"
@@ -174,10 +175,14 @@ int drift(const Options& o, const Talk& talk) {
   const MachineHistory h = history_of(o, talk);
   if (h.models.size() < 2) throw InputError(o.store, "two or more independent calibrations are wanted");
   const double level = kTold / (1 + static_cast<double>(h.series.parameters.size()));
-  const CourseFinding course = find_changes(h.series.poses, h.years, level);
+  CourseFinding course;
   std::vector<CourseFinding> parameters;
-  for (const ErrorSeries& series : h.series.parameters)
-    parameters.push_back(find_changes(single_problem(series), h.years, level));
+  {
+    const Progress progress(talk, "search for changes in " + std::to_string(h.models.size()) + " calibrations");
+    course = find_changes(h.series.poses, h.years, level);
+    for (const ErrorSeries& series : h.series.parameters)
+      parameters.push_back(find_changes(single_problem(series), h.years, level));
+  }
   const nlohmann::json j = drift_json(h, course, parameters);
   if (!o.output.empty()) {
     write_whole(o.output, json_text(j), {o.store});

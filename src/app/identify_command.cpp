@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/error_text.h"
 #include "app/prior_map.h"
+#include "app/progress.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
 #include "error.h"
@@ -156,7 +157,11 @@ int run(const Options& o, const Talk& talk) {
     options.earlier = earlier_map(o, machine, talk);
     inputs.push_back(o.prior);
   }
-  IdentificationResult result = identify(observations, machine, options);
+  IdentificationResult result;
+  {
+    const Progress progress(talk, "identify from " + std::to_string(observations.rows.size()) + " readings");
+    result = identify(observations, machine, options);
+  }
   nlohmann::json fit = identification_json(result, machine, inputs);
   if (options.earlier) {
     fit["prior"]["drift"] = {{"um", options.earlier->drift.length.in_micrometres()},

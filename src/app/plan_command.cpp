@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
+#include "app/progress.h"
 #include "app/text_table.h"
 #include "error.h"
 #include "io/csv.h"
@@ -134,6 +135,7 @@ int run(const Options& o, const Talk& talk) {
   ObservationSet set = o.observations.empty() ? so_far : ObservationSet{};
   if (!o.separate.empty()) {
     if (o.separate.size() > 2) throw UsageError("--separate: one effect, or two with a comma between");
+    const Progress progress(talk, "plan");
     power = plan_for_power(so_far, machine, spots, {o.separate}, {o.visits, pace});
     visits.insert(visits.end(), power.visits.begin(), power.visits.end());
     if (o.observations.empty()) {

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -11,6 +9,7 @@
 #include "app/piece_cutting.h"
 #include "app/prediction_text.h"
 #include "app/program_reading.h"
+#include "app/progress.h"
 #include "app/text_table.h"
 #include "error.h"
 #include "io/machine_file.h"
@@ -20,6 +19,7 @@
 #include "io/provenance.h"
 #include "io/text_file.h"
 #include "postproc/dialect.h"
+#include "testpiece/colour_scale.h"
 #include "testpiece/part_view.h"
 #include "testpiece/piece_solid.h"
 #include "testpiece/plots.h"
@@ -119,17 +119,18 @@ class Prediction {
 
   /// The piece as cut along `path`, and how it looks.
   void cut(const std::string& name, const std::vector<ToolPosition>& path) {
+    const Progress progress(talk_, "cut " + name);
     const std::vector<ToolInWorkpiece> tools = cutting_.actual(path);
     PredictedPiece made{.name = name, .deviation_mm = deviation_mm(piece_, surface_, path, tools)};
     made.evaluation =
         evaluate_cone(traces_of(piece_, surface_, made.deviation_mm), piece_.cone.half_angle, evaluation_);
     pieces_.push_back(std::move(made));
-    draw_flank(name, path, tools);
+    cut_flank(name, path, tools);
   }
 
   /// The whole flank for people's eyes.
-  void draw_flank(const std::string& name, const std::vector<ToolPosition>& path,
-                  const std::vector<ToolInWorkpiece>& tools) {
+  void cut_flank(const std::string& name, const std::vector<ToolPosition>& path,
+                 const std::vector<ToolInWorkpiece>& tools) {
     TestPiece shown = piece_;
     shown.heights.clear();
     for (int k = 0; k < kViewHeights; ++k) shown.heights.push_back((k / (kViewHeights - 1.0)) * piece_.cone.height);
@@ -140,26 +141,34 @@ class Prediction {
     } catch (const RangeError&) {
       return;  // a rounded tool leaves the lowest part of the flank: the evaluated heights alone are sure
     }
-    output_.add("part_" + name + ".glb", part_glb(shown, surface, deviation, o_.magnify));
-    output_.add("map_" + name + ".svg",
-                unrolled_map_svg("Deviation of the flank, " + name, surface.phi_rad.size(), surface.h_mm, deviation));
     flanks_.push_back({name, std::move(deviation)});
     flank_ = surface;
+  }
+
+  /// Every flank in the colours of one scale, so that before and after can be compared.
+  void draw_flanks() {
+    double largest_mm = 0;
+    for (const CutFlank& flank : flanks_)
+      for (const double d : flank.deviation_mm) largest_mm = std::max(largest_mm, std::abs(d));
+    const double end_um = round_scale(1e3 * largest_mm);
+    for (const CutFlank& flank : flanks_) {
+      output_.add("part_" + flank.name + ".glb", part_glb(piece_, flank_, flank.deviation_mm, end_um, o_.magnify));
+      output_.add("map_" + flank.name + ".svg",
+                  unrolled_map_svg("Deviation of the flank, " + flank.name, flank_.phi_rad.size(), flank_.h_mm,
+                                   flank.deviation_mm, end_um));
+    }
   }
 
   void spread() {
     if (!model_.has_uncertainty() || o_.draws == 0) return;
     const DeviationSpread spread(piece_, surface_, path_, chain_, model_, cutting_.known());
     if (spread.empty()) return;
-    const bool visible = isatty(STDERR_FILENO) == 1 && !talk_.quiet;
     for (PredictedPiece& p : pieces_) {
-      DrawOptions draw{.draws = o_.draws, .seed = o_.seed, .evaluation = evaluation_};
-      if (visible)
-        draw.progress = [&](double share) {
-          std::fprintf(stderr, "\r%s: %3.0f %% of the draws", p.name.c_str(), 100 * share);
-        };
-      p.spread = spread.around(p.deviation_mm, draw);
-      if (visible) std::fprintf(stderr, "\r%60s\r", "");
+      Progress progress(talk_, "draws of " + p.name, o_.draws, "draws");
+      p.spread = spread.around(p.deviation_mm, {.draws = o_.draws,
+                                                .seed = o_.seed,
+                                                .progress = [&](double share) { progress.at(share * o_.draws); },
+                                                .evaluation = evaluation_});
     }
   }
 
@@ -173,6 +182,7 @@ class Prediction {
       output_.add("part.step", piece_step(piece_, brep_));
     else
       talk_.warn("no part.step: this program was built without OpenCASCADE");
+    draw_flanks();
     draw_roundness();
     if (o_.sensitivity) judge_piece();
     summarise();
@@ -204,8 +214,10 @@ class Prediction {
   void judge_piece() {
     const EffectContext context = effect_context(machine_);
     const std::vector<Sensitivity> found = sensitivities(piece_, context);
+    std::optional<Progress> progress(std::in_place, talk_, "a better piece");
     const BetterPiece better =
         better_piece(piece_, context, [&](std::span<const ToolPosition> path) { return !cutting_.beyond_reach(path); });
+    progress.reset();
     output_.add("better_piece.toml", piece_text(better.piece));
     output_.add("sensitivity.json", sensitivity_json(found, better).dump(1) + "\n");
     talk_.show(sensitivity_text(found, better));

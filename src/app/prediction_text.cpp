@@ -11,11 +11,13 @@ void add_heights(Rows& rows, const std::string& name, const ConeEvaluation& eval
                  const PredictionSpread* spread) {
   for (std::size_t j = 0; j < evaluation.heights.size(); ++j) {
     const HeightEvaluation& at = evaluation.heights[j];
-    rows.push_back({j == 0 ? name : "", formatted("%g", at.h_mm),
-                    spread != nullptr ? with_uncertainty(1e3 * at.lsc_mm, 1e3 * spread->heights[j].lsc_mm.sd)
-                                      : formatted("%.3f", 1e3 * at.lsc_mm),
-                    formatted("%.3f", 1e3 * at.mzc_mm), formatted("%.3f", 1e3 * at.mic_mm),
-                    formatted("%.3f", 1e3 * at.mcc_mm), formatted("%.2f", 1e3 * at.center_mm.norm()),
+    const auto roundness = [&](double value_mm, DrawnSpread HeightSpread::*of) {
+      return spread != nullptr ? with_uncertainty(1e3 * value_mm, 1e3 * (spread->heights[j].*of).sd)
+                               : formatted("%.3f", 1e3 * value_mm);
+    };
+    rows.push_back({j == 0 ? name : "", formatted("%g", at.h_mm), roundness(at.lsc_mm, &HeightSpread::lsc_mm),
+                    roundness(at.mzc_mm, &HeightSpread::mzc_mm), roundness(at.mic_mm, &HeightSpread::mic_mm),
+                    roundness(at.mcc_mm, &HeightSpread::mcc_mm), formatted("%.2f", 1e3 * at.center_mm.norm()),
                     formatted("%.5f", at.diameter_mm)});
   }
 }

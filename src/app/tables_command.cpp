@@ -7,6 +7,7 @@
 #include <set>
 
 #include "app/command.h"
+#include "app/progress.h"
 #include "compensation/verification.h"
 #include "error.h"
 #include "io/machine_file.h"
@@ -81,6 +82,7 @@ int run(const Options& o, const Talk& talk) {
   const std::set<std::string> before = standing_set(o.output);
   TableSet set;
   try {
+    const Progress progress(talk, "tables for " + std::string(controller.name));
     set = make_tables(controller, machine, model, options);
   } catch (const Error&) {
     remove_all_of(o.output, before);  // nothing load-ready is left of an earlier set either

@@ -45,7 +45,7 @@ std::optional<Flank> flank_of(const NumberColumns& columns, const json& predicti
 }
 
 /// The unrolled flank of one cut, coarse enough for a page.
-std::string still_map(const Flank& flank, const std::string& cut, const std::vector<double>& values_um) {
+std::string still_map(const Flank& flank, const std::string& cut, const std::vector<double>& values_um, double end_um) {
   const std::size_t every_turn = std::max<std::size_t>(1, flank.turns / kMapTurns);
   const std::size_t every_height = std::max<std::size_t>(1, (flank.heights_mm.size() - 1) / (kMapHeights - 1));
   std::vector<double> heights, deviation_mm;
@@ -56,7 +56,7 @@ std::string still_map(const Flank& flank, const std::string& cut, const std::vec
     for (std::size_t k = 0; k + every_turn <= flank.turns; k += every_turn, ++turns)
       deviation_mm.push_back(1e-3 * values_um[j * flank.turns + k]);
   }
-  return unrolled_map_svg("Deviation of the flank, " + cut, turns, heights, deviation_mm);
+  return unrolled_map_svg("Deviation of the flank, " + cut, turns, heights, deviation_mm, end_um);
 }
 
 std::string polar_plots(const NumberColumns& columns, const json& prediction) {
@@ -112,9 +112,9 @@ std::string part_view(const Flank& flank, const json& prediction, std::size_t nu
   std::string options, stills;
   for (const auto& [cut, values_um] : flank.cuts_um) {
     options += element("option", escaped(cut), "value=\"" + escaped(cut) + "\"");
-    stills +=
-        element("figure", still_map(flank, cut, values_um) + element("figcaption", "Unrolled flank, " + escaped(cut)),
-                "class=\"picture\"");
+    stills += element(
+        "figure", still_map(flank, cut, values_um, end_um) + element("figcaption", "Unrolled flank, " + escaped(cut)),
+        "class=\"picture\"");
   }
   const std::string n = std::to_string(number), scale = quantity(end_um, std::nullopt, "um");
   const auto choice = [&](const std::string& side) {
@@ -135,8 +135,7 @@ std::string part_view(const Flank& flank, const json& prediction, std::size_t nu
                  element("figcaption", "The part before and after, side by side") +
                      element("div", view, "class=\"live\" hidden") + script_data(data),
                  "class=\"part\"") +
-         element("h3", "The flank unrolled (each with its own scale)") +
-         element("div", stills, "class=\"charts wide\"");
+         element("h3", "The flank unrolled") + element("div", stills, "class=\"charts wide\"");
 }
 
 /// The 95 % interval of a quantity that cannot be negative: its draws lie above zero, beside the value itself.

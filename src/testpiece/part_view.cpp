@@ -33,10 +33,7 @@ void add_disc(Mesh& mesh, std::span<const Vector3d> rim_w_mm, const Vector3d& no
 }  // namespace
 
 std::string part_glb(const TestPiece& piece, const SurfaceGrid& surface, std::span<const double> deviation_mm,
-                     double magnification) {
-  double largest = 0;
-  for (const double d : deviation_mm) largest = std::max(largest, std::abs(d));
-  const double end_um = round_scale(1e3 * largest);
+                     double end_um, double magnification) {
   Mesh mesh;
   const std::size_t n = surface.phi_rad.size(), rows = surface.h_mm.size();
   std::vector<Vector3d> shown;

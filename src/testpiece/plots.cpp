@@ -38,11 +38,19 @@ std::string opening(int width, int height, const std::string& title) {
   const std::string w = std::to_string(width), h = std::to_string(height);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h + "\" viewBox=\"0 0 " + w + " " +
          h + "\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\">\n<title>" + escaped(title) +
-         "</title>\n<rect width=\"" + w + "\" height=\"" + h + "\" fill=\"#fff\"/>\n";
+         "</title>\n<rect class=\"paper\" width=\"" + w + "\" height=\"" + h + "\" fill=\"#fff\"/>\n";
 }
 
 std::string label(double x, double y, const std::string& text, const std::string& more = "") {
   return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" " + more + ">" + escaped(text) + "</text>\n";
+}
+
+/// Lines are told apart by colour and, by those who see no colours, by their dashes.
+std::string line_style(std::size_t k) {
+  constexpr const char* kDashes[] = {"", "8 4", "2 3", "10 3 2 3", "5 5", "1 4"};
+  k %= std::size(kInk);
+  return "class=\"line s" + std::to_string(k) + "\" fill=\"none\" stroke=\"" + kInk[k] + "\" stroke-width=\"1.5\"" +
+         (k == 0 ? "" : std::string(" stroke-dasharray=\"") + kDashes[k] + "\"");
 }
 
 std::string hex(Colour colour) {
@@ -73,8 +81,8 @@ std::string polar_plot_svg(const std::string& title, std::span<const PolarCurve>
   std::string svg = opening(520, 560 + 18 * static_cast<int>(curves.size()), title);
   svg += label(12, 22, title, "font-size=\"14\"");
   for (int ring = -2; ring <= 2; ++ring)
-    svg += "<circle cx=\"260\" cy=\"260\" r=\"" + fixed(kCircle + ring * kReach / 2, 1) + "\" fill=\"none\" stroke=\"" +
-           (ring == 0 ? "#555" : "#ccc") + "\"/>\n";
+    svg += "<circle cx=\"260\" cy=\"260\" r=\"" + fixed(kCircle + ring * kReach / 2, 1) + "\" fill=\"none\" " +
+           (ring == 0 ? "class=\"axis\" stroke=\"#555\"" : "class=\"grid\" stroke=\"#ccc\"") + "/>\n";
   for (int k = 0; k < 12; ++k) {
     const double phi = kTurn * k / 12;
     const auto at = [&](double r) { return std::pair(kCenter + r * std::cos(phi), kCenter - r * std::sin(phi)); };
@@ -82,7 +90,7 @@ std::string polar_plot_svg(const std::string& title, std::span<const PolarCurve>
     const auto [x1, y1] = at(kCircle - kReach);
     const auto [x2, y2] = at(kCircle + kReach);
     svg += "<path d=\"M" + fixed(x1, 1) + " " + fixed(y1, 1) + "L" + fixed(x2, 1) + " " + fixed(y2, 1) +
-           "\" stroke=\"#e5e5e5\"/>\n";
+           "\" class=\"grid\" stroke=\"#e5e5e5\"/>\n";
     svg += label(x, y + 4, std::to_string(30 * k), "text-anchor=\"middle\" fill=\"#555\"");
   }
   for (std::size_t c = 0; c < curves.size(); ++c) {
@@ -92,10 +100,10 @@ std::string polar_plot_svg(const std::string& title, std::span<const PolarCurve>
       path += (path.empty() ? "M" : "L") + fixed(kCenter + r * std::cos(phi), 2) + " " +
               fixed(kCenter - r * std::sin(phi), 2);
     }
-    const std::string ink = kInk[c % std::size(kInk)];
-    svg += "<path d=\"" + path + "Z\" fill=\"none\" stroke=\"" + ink + "\" stroke-width=\"1.5\"/>\n";
+    const std::string line = line_style(c);
+    svg += "<path d=\"" + path + "Z\" " + line + "/>\n";
     const double y = 550 + 18 * static_cast<double>(c);
-    svg += "<rect x=\"40\" y=\"" + fixed(y - 9, 1) + "\" width=\"18\" height=\"4\" fill=\"" + ink + "\"/>\n";
+    svg += "<path d=\"M30 " + fixed(y - 6, 1) + "h28\" " + line + "/>\n";
     svg += label(66, y - 2,
                  curves[c].label + ": LSC " + fixed(1e3 * least_squares_circle(curves[c].radial).roundness_mm, 3) +
                      " um, MZC " + fixed(1e3 * minimum_zone_circle(curves[c].radial).roundness_mm, 3) + " um");
@@ -106,11 +114,8 @@ std::string polar_plot_svg(const std::string& title, std::span<const PolarCurve>
 }
 
 std::string unrolled_map_svg(const std::string& title, std::size_t phi_count, std::span<const double> heights_mm,
-                             std::span<const double> deviation_mm) {
+                             std::span<const double> deviation_mm, double end_um) {
   constexpr double kLeft = 60, kTop = 40, kWidth = 720, kHeight = 200;
-  double largest = 0;
-  for (const double d : deviation_mm) largest = std::max(largest, std::abs(d));
-  const double end_um = round_scale(1e3 * largest);
   const auto rows = static_cast<double>(heights_mm.size());
   const double cell_x = kWidth / static_cast<double>(phi_count), cell_y = kHeight / rows;
 

@@ -45,7 +45,7 @@ TEST(PartViewInAReader, StandsInTheWorkpieceWithEveryVertexOnTheCone) {
   const std::vector<double> deviation(surface.points.size(), 4e-3);
   const Eigen::Isometry3d cone_from_w = w_from_cone(piece.cone).inverse(Eigen::Isometry);
   for (const double magnification : {0.0, 250.0}) {
-    const auto meshes = read_back(part_glb(piece, surface, deviation, magnification), "part.glb");
+    const auto meshes = read_back(part_glb(piece, surface, deviation, 5, magnification), "part.glb");
     ASSERT_EQ(meshes.size(), 2U);  // the part and the colour bar
     for (const auto& mesh : meshes) ASSERT_FALSE(mesh.IsNull());
     EXPECT_EQ(meshes[0]->NbTriangles(), 2 * 72 * 2 + 2 * 72);

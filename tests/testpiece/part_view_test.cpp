@@ -19,6 +19,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
+constexpr double kEnd_um = 5;  // of the colour scale
+
 std::uint32_t word(const std::string& bytes, std::size_t at) {
   std::uint32_t value = 0;
   std::memcpy(&value, bytes.data() + at, 4);
@@ -40,7 +42,7 @@ struct Scene {
 
 TEST(PartView, IsAGlbWhoseChunksAndAccessorsAddUp) {
   const Scene scene;
-  const std::string glb = part_glb(scene.piece, scene.surface, scene.deviation);
+  const std::string glb = part_glb(scene.piece, scene.surface, scene.deviation, kEnd_um);
   ASSERT_EQ(glb.substr(0, 4), "glTF");
   EXPECT_EQ(word(glb, 4), 2U);
   EXPECT_EQ(word(glb, 8), glb.size());
@@ -66,7 +68,7 @@ TEST(PartView, IsAGlbWhoseChunksAndAccessorsAddUp) {
     const std::size_t offset = gltf["bufferViews"][triangles["bufferView"].get<std::size_t>()]["byteOffset"];
     for (std::size_t i = 0; i < triangles["count"]; ++i) ASSERT_LT(word(glb, 28 + text + offset + 4 * i), vertices);
   }
-  EXPECT_EQ(gltf["asset"]["extras"]["scale_um"], 5);
+  EXPECT_EQ(gltf["asset"]["extras"]["scale_um"], kEnd_um);
 }
 
 /// Signed volume of the mesh, mm^3: positive only if it is closed well enough and every triangle faces outward.
@@ -94,10 +96,10 @@ TEST(PartView, EnclosesTheFrustumsVolumeFacingOutward) {
   const std::vector<double> flat(scene.surface.points.size(), 0);
   const double r = 40, top = 40 - 20 * std::tan(15 * std::numbers::pi / 180);
   const double exact = std::numbers::pi * 20 / 3 * (r * r + r * top + top * top);
-  EXPECT_NEAR(volume_mm3(part_glb(scene.piece, scene.surface, flat)) / exact, 1, 1e-3);
+  EXPECT_NEAR(volume_mm3(part_glb(scene.piece, scene.surface, flat, kEnd_um)) / exact, 1, 1e-3);
   // Magnified by 1000, 10 um more all round are 10 mm of normal.
   const std::vector<double> thick(scene.surface.points.size(), 10e-3);
-  EXPECT_GT(volume_mm3(part_glb(scene.piece, scene.surface, thick, 1000)), 1.2 * exact);
+  EXPECT_GT(volume_mm3(part_glb(scene.piece, scene.surface, thick, kEnd_um, 1000)), 1.2 * exact);
 }
 
 TEST(ColourBar, WritesItsEndsInUmAndTheMagnification) {
@@ -149,7 +151,7 @@ TEST(Plots, SayWhatTheyShow) {
   EXPECT_THAT(polar, HasSubstr("Roundness &amp; more"));
   EXPECT_THAT(polar, HasSubstr("h 0 mm &lt;a&gt;: LSC 8."));
   EXPECT_THAT(polar, HasSubstr("1 division = 2.5 um"));
-  const std::string map = unrolled_map_svg("Deviation", 36, scene.surface.h_mm, scene.deviation);
+  const std::string map = unrolled_map_svg("Deviation", 36, scene.surface.h_mm, scene.deviation, kEnd_um);
   EXPECT_THAT(map, HasSubstr("+5 um"));
   EXPECT_THAT(map, HasSubstr("</svg>"));
   for (const std::string* svg : {&polar, &map}) {

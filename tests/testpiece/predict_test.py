@@ -7,7 +7,9 @@
   leaves what the words' decimals leave.
 - A piece on which an axis stands still: the steps that a correction makes there are no reversals.
 - A job's work offset moves the program and not the piece.
+- Parts and maps of one run are coloured by one scale, which holds the largest deviation of them all.
 """
+import csv
 import json
 import pathlib
 import shutil
@@ -16,6 +18,12 @@ import sys
 
 SUFFIX = {"fanuc": "nc", "sinumerik": "mpf", "heidenhain": "h"}
 LEFT_UM = {"fanuc": 0.35, "sinumerik": 0.05, "heidenhain": 0.35}  # four decimals or five, to either side
+
+
+def scale_of(view):
+    """The end of a GLB's colour scale, um."""
+    data = view.read_bytes()
+    return json.loads(data[20:20 + int.from_bytes(data[12:16], "little")])["asset"]["extras"]["scale_um"]
 
 
 def main():
@@ -57,6 +65,14 @@ def main():
         expect(before > 3, f"{dialect}: nothing to correct, {before} um")
         expect(left < LEFT_UM[dialect], f"{dialect}: corrected, {left} um are left")
         expect(abs(roundness(again["uncompensated"]) - before) < LEFT_UM[dialect], f"{dialect}: not the same piece")
+
+    views = [scale_of(view) for view in sorted((scratch / "fanuc").glob("part_*.glb"))]
+    expect(len(views) == 3 and len(set(views)) == 1, f"scales of the parts, um: {views}")
+    for drawn in (scratch / "fanuc").glob("map_*.svg"):
+        expect(f">+{views[0]:g} um<" in drawn.read_text(), f"{drawn.name}: its scale does not end at {views[0]} um")
+    with open(scratch / "fanuc/flank.csv", encoding="utf-8") as file:
+        flank = max(abs(float(row["uncompensated_um"])) for row in csv.DictReader(file))
+    expect(flank <= views[0] <= 2.5 * flank, f"a scale of {views[0]} um for {flank} um")
 
     job = scratch / "job.toml"
     job.write_text("[work_offsets_mm]\nG54 = [30, -20, 10]\n")

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""What long work says of itself: rate and time left on a terminal, nothing elsewhere, and with --verbose what took how long.
+
+    progress_test.py PROGRAM SOURCE_DIR OUTPUT_DIR
+"""
+import os
+import pathlib
+import pty
+import re
+import shutil
+import subprocess
+import sys
+
+# Share, rate in its unit and time left, on a line that is written over.
+COUNTED = r"\r%s: \d+ %%, [\d.e+]+ %s/s, [\d.]+ (s|min) left"
+wrong = []
+
+
+def wanted(what, holds):
+    if not holds:
+        wrong.append(what)
+
+
+def seen_on_terminal(command, pattern):
+    """Standard error of a command on a terminal, until `pattern` is in it or the command ends."""
+    main, other = pty.openpty()
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=other)
+    os.close(other)
+    text = ""
+    while not re.search(pattern, text):
+        try:
+            chunk = os.read(main, 65536)
+        except OSError:
+            break
+        if not chunk:
+            break
+        text += chunk.decode()
+    child.terminate()
+    child.wait()
+    os.close(main)
+    return text
+
+
+def main():
+    program, source, out = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir(parents=True)
+    samples = source / "samples"
+    on = ["--machine", samples / "calibrate/machine.toml"]
+    readings = samples / "calibrate/replica.csv"
+    subprocess.run([program, "identify", *on, "--observations", readings, "--quiet", "-o", out / "model.json"], check=True,
+                   stdout=subprocess.DEVNULL)
+    model = [*on, "--model", out / "model.json"]
+    predict = ["predict", *model, "--piece", samples / "predict/piece.toml", "--steps", "720", "-o", out / "piece"]
+    rows = (samples / "calibrate/positions.csv").read_text().splitlines(keepends=True)
+    many = out / "many.csv"
+    many.write_text(rows[0] + "".join(rows[1:]) * 20000)
+    part = (samples / "correct/part.ngc").read_text().splitlines(keepends=True)
+    at = next(k for k, line in enumerate(part) if line.startswith("N30 "))
+    long = out / "long.ngc"
+    with open(long, "w", encoding="utf-8") as file:
+        file.writelines(part[:at] + [part[at].replace("X0.000", f"X0.0{k % 100}") for k in range(1000000)] + part[at:])
+
+    long_ones = {
+        "predict": ([*predict, "--draws", "1000000"], COUNTED % ("draws of uncompensated", "draws")),
+        "evaluate": (["evaluate", *model, "--at", many, "-o", out / "many_out.csv"], COUNTED % ("evaluate", "rows")),
+        "correct": (["correct", *model, "--job", samples / "correct/job.toml", long, "-o", out / "long_out.ngc", "--report", out / "long.json"],
+                    COUNTED % ("(correct|play back)", "MB")),
+    }
+    for name, (words, pattern) in long_ones.items():
+        text = seen_on_terminal([program, *map(str, words)], pattern)
+        wanted(f"{name}: no progress on a terminal: {text[-300:]!r}", re.search(pattern, text))
+    short = [*predict, "--draws", "100"]
+    wanted("quick work wipes a line that it never wrote",
+           not re.search(r"\r[^\n]", seen_on_terminal([program, *short], r"wrote \S+")))
+
+    quiet = subprocess.run([program, *predict, "--draws", "600", "--quiet", "--verbose"], capture_output=True, text=True, check=True)
+    wanted(f"--quiet with --verbose: {quiet.stderr!r}", quiet.stderr == "")
+    piped = subprocess.run([program, *predict, "--draws", "600"], capture_output=True, text=True, check=True)
+    wanted(f"progress in a pipe: {piped.stderr!r}", "\r" not in piped.stderr and "draws" not in piped.stderr)
+
+    told = {
+        "identify": (["identify", *on, "--observations", readings, "-o", out / "again.json"], "identify from 219 readings"),
+        "close": (["close", *on, "--observations", readings, "-o", out / "closed"], "search 219 readings"),
+        "plan": (["plan", *on, "--observations", readings, "--separate", "backlash:A", "--visits", "1", "-o", out / "next.csv"],
+                 "plan"),
+        "tables": (["tables", *model, "--controller", "linuxcnc", "-o", out / "tables"], "tables for linuxcnc"),
+        "predict": (short, "draws of uncompensated: 100 draws in"),
+        "evaluate": (["evaluate", *model, "--at", samples / "calibrate/positions.csv", "-o", out / "d.csv"], "evaluate: 36 rows in"),
+    }
+    for name, (words, what) in told.items():
+        done = subprocess.run([program, *map(str, words), "--verbose"], capture_output=True, text=True, check=True)
+        wanted(f"{name} --verbose: {done.stderr!r}", re.search("^" + what + r".*\d (s|min)$", done.stderr, re.M))
+
+    print("\n".join(wrong) or "long work says how long")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
