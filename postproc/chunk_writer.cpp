@@ -49,6 +49,9 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
       block_text_.out().refusals.push_back({block.line, error.what(), Refusal::Kind::refused});
     }
     if (!keep_going_) break;
+    if (block.arc() != nullptr && lines_since_arc_ && !block.motion_word.stands())
+      block_text_.rewrite(block, {}, {.arc_code = block.arc()->sweep_rad < 0 ? '2' : '3'});
+    if (block.arc() != nullptr || block.motion_word.stands()) lines_since_arc_ = false;
     for (std::size_t i = 0; i < kAxes; ++i)
       if (holds(block.programmed, i) && !holds(block.incremental, i)) ticks_[i] = {};
     last_.reset();
@@ -180,7 +183,7 @@ void ChunkWriter::correct(const MotionBlock& block) {
   NewFeed feed;
   std::vector<NewWords> pieces;
   bool within_tolerance = true;
-  const bool whole = !last_ || solver_.is_short(block);
+  const bool whole = solver_.is_short(block);
   std::optional<Vector3d> centre;
   if (!whole && block.arc() != nullptr) centre = solver_.moved_arc(block, pen.before, end);
   if (whole) feed = new_feed(block, pen.before, end.ticks, 1);

@@ -6,16 +6,17 @@
 namespace trunnion {
 namespace {
 
-constexpr double kFastest = 1e9;
-constexpr std::int64_t kFarthest_whole = static_cast<std::int64_t>(kFarthest);
-
-int tenths(const Token& token) {
-  const Decimal n = token.value;
+std::optional<int> code_tenths(Decimal n) {
   if (n.decimals == 0 && n.mantissa >= 0 && n.mantissa <= 999) return static_cast<int>(10 * n.mantissa);
   const std::int64_t scale = power_of_ten(n.decimals);
-  if (n.mantissa < 0 || n.mantissa / scale > 999 || (n.mantissa % scale) * 10 % scale != 0)
-    bad(std::string(1, token.letter) + " code that does not exist");
+  if (n.mantissa < 0 || n.mantissa / scale > 999 || (n.mantissa % scale) * 10 % scale != 0) return std::nullopt;
   return static_cast<int>(n.mantissa / scale * 10 + (n.mantissa % scale) * 10 / scale);
+}
+
+int tenths(const Token& token) {
+  const std::optional<int> code = code_tenths(token.value);
+  if (!code) bad(std::string(1, token.letter) + " code that does not exist");
+  return *code;
 }
 
 constexpr std::string_view kArcLetters = "IJKRP";
@@ -72,8 +73,9 @@ WordPlace IsoScanner::place(const Token& token) const {
 bool IsoScanner::scan(std::string_view line, std::uint32_t begin, ScannedChunk& chunk) {
   ++line_;
   ++chunk.lines;
-  if (ended_) return true;
+  if (ended_ || lost_) return true;
   begin_ = begin;
+  codes_followed_ = false;
   try {
     current_ = line;
     begin_block();
@@ -96,81 +98,42 @@ bool IsoScanner::scan(std::string_view line, std::uint32_t begin, ScannedChunk& 
     collect(tokens, line, words);
     execute(words, chunk);
   } catch (const LineRefused& refused) {
-    chunk.refusals.push_back({line_, refused.reason, refused.kind});
+    lost_ = refused.lasting || !follow_codes(line);
+    Refusal::Kind kind = refused.kind;
+    // Lines may stand for the arcs before it, and then it is no longer what it was.
+    if (kind == Refusal::Kind::refused && arc_mode() && !move_.block.motion_word.stands())
+      kind = Refusal::Kind::for_good;
+    chunk.refusals.push_back({line_, refused.reason + (settings_.keep_going && lost_ ? kCopiedToEnd : ""), kind});
     state_.forget(kAllAxes);  // where the machine goes from here is not known
-    return settings_.keep_going && refused.kind == Refusal::Kind::refused;
+    return settings_.keep_going && kind == Refusal::Kind::refused;
+  }
+  return true;
+}
+
+/// What a block that was refused says beside its move: false where modes or zeros are no longer known.
+bool IsoScanner::follow_codes(std::string_view line) {
+  if (codes_followed_) return true;
+  state_.feed = 0;
+  for (const Token& token : tokenize_(line)) {
+    if (token.kind == TokenKind::name || token.kind == TokenKind::parameter ||
+        (token.kind == TokenKind::word && token.letter == 0))
+      return false;
+    if (token.kind != TokenKind::word || token.letter != 'G') continue;
+    const auto known = code_tenths(token.value);
+    const Code code = known ? code_of(*known) : Code::unknown;
+    if (code == Code::rapid || code == Code::line || code == Code::clockwise || code == Code::counter_clockwise ||
+        code == Code::other_motion)
+      motion_ = *known;
+    else if (code == Code::cycle)
+      cycle_ = *known;
+    else if (code != Code::harmless && code != Code::machine_coordinates && code != Code::home)
+      return false;
   }
   return true;
 }
 
 // --- reading a block
 // --------------------------------------------------------------------------------------------------
-
-/// The words of a line that has nothing but plain numbers behind N, G0, G1, the axes and F, as nearly every one: what
-/// tokens and collect() make of it, without the way over them. False, and nothing taken, for any other line.
-bool IsoScanner::take_plain(std::string_view line, IsoWords& words) {
-  const char* const first = line.data();
-  const char* const end = first + line.size() - (line.ends_with("\n\r\r") ? 3 : line.ends_with("\n") ? 1 : 0);
-  MotionBlock& block = move_.block;
-  const auto give_up = [&] {
-    const std::uint32_t line_begin = block.begin, line_end = block.end;
-    move_.clear();
-    block.begin = line_begin;
-    block.end = line_end;
-    words = {};
-    words.begin = begin_;
-    return false;
-  };
-  const auto offset = [&](const char* place) { return begin_ + static_cast<std::uint32_t>(place - first); };
-  bool anything = false;
-  for (const char* at = first;;) {
-    const char* const before = at;
-    while (at != end && (*at == ' ' || *at == '\t' || *at == '\r')) ++at;
-    if (at == end) break;
-    if (*at == ';' && rules_.syntax.semicolon_ends_block && at + 1 == end) break;
-    const char* const text = at;
-    const char letter = static_cast<char>(*at >= 'a' ? *at - ('a' - 'A') : *at);
-    if (letter < 'A' || letter > 'Z') return give_up();
-    ++at;
-    while (at != end && (*at == ' ' || *at == '\t')) ++at;
-    const char* const number = at;
-    anything = true;
-    const std::int8_t found = axis_by_letter_[static_cast<std::size_t>(letter - 'A')];
-    WordPlace other;
-    WordPlace& word = found >= 0 ? block.word[static_cast<std::size_t>(found)] : other;
-    if (found >= 0 && holds(block.programmed, static_cast<std::size_t>(found))) return give_up();
-    at = scan_plain_number(at, end, word.value, word.style);
-    if (at == nullptr) return give_up();
-    // What a number is followed by in the middle of a name or an expression.
-    if (at != end && rules_.syntax.names && (*at == '_' || *at == ':' || *at == '=')) return give_up();
-    word.text = offset(text);
-    word.number = offset(number);
-    word.number_end = word.end = offset(at);
-    const Decimal value = word.value;
-    if (found >= 0) {
-      const std::int64_t size = value.mantissa < 0 ? -value.mantissa : value.mantissa;
-      if (size > kFarthest_whole * power_of_ten(value.decimals) || (rules_.point_matters && !word.style.point))
-        return give_up();
-      block.programmed |= only(static_cast<std::size_t>(found));
-      block.order[block.words++] = static_cast<std::uint8_t>(found);
-      if (before != first) block.blank_before_words = text > before;
-    } else if (letter == 'G') {
-      const Code code = value.decimals == 0 && value.mantissa >= 0 && value.mantissa <= 1
-                            ? code_of(static_cast<int>(10 * value.mantissa))
-                            : Code::unknown;
-      if ((code != Code::rapid && code != Code::line) || words.g_count == words.g.size()) return give_up();
-      block.motion_word = {word.text, word.end};
-      words.g[words.g_count++] = static_cast<int>(10 * value.mantissa);
-    } else if (letter == 'F') {
-      if (words.feed.end != 0 || value.mantissa < 0 || value.value() > kFastest) return give_up();
-      words.feed = word;
-    } else if (letter != 'N') {
-      return give_up();
-    }
-  }
-  anything_ |= anything;
-  return true;
-}
 
 void IsoScanner::collect(std::span<const Token> tokens, std::string_view line, IsoWords& words) {
   bool ended = false;
@@ -193,8 +156,7 @@ void IsoScanner::collect(std::span<const Token> tokens, std::string_view line, I
         take_parameter(line.substr(token.text, token.end - token.text));
         break;
       case TokenKind::comment:
-        if (contains_mark(line.substr(token.text, token.end - token.text)))
-          refuse("this program has been corrected already; correct the original");
+        if (contains_mark(line.substr(token.text, token.end - token.text))) refuse_corrected();
         break;
       case TokenKind::block_delete:
         words.optional = true;
@@ -291,7 +253,7 @@ void IsoScanner::take_word(const Token& token, std::string_view line, IsoWords& 
     case 'U':
     case 'V':
     case 'W':
-      refuse(std::string(1, token.letter) + ": this machine has no such axis");
+      refuse_move(std::string(1, token.letter) + ": this machine has no such axis");
       break;
     default:
       if (rules_.harmless_letters.find(token.letter) == std::string_view::npos) take_letter(token, words);
@@ -307,9 +269,14 @@ void IsoScanner::take_expression(const Token& token, IsoWords& words) {
   const std::string letter(1, token.letter);
   if (token.letter == 'F') {
     words.feed_expression = true;
+  } else if (token.letter == 'P' && rules_.turns_letter == 'P') {
+    words.turns_expression = true;
   } else if (rules_.harmless_expressions.find(token.letter) == std::string_view::npos) {
-    if (axis_of(token.letter) || std::string_view("IJKRGMLUVWABC").find(token.letter) != std::string_view::npos)
-      refuse(letter + " is not followed by a plain number; variables and expressions in motion words are not computed");
+    const std::string computed =
+        letter + " is not followed by a plain number; variables and expressions in motion words are not computed";
+    if (axis_of(token.letter) || std::string_view("IJKRUVWABC").find(token.letter) != std::string_view::npos)
+      refuse_move(computed);
+    if (std::string_view("GML").find(token.letter) != std::string_view::npos) refuse(computed);
     bad(letter + " is no word of this dialect, or its number is missing or has more than 18 digits");
   }
 }
@@ -327,6 +294,7 @@ bool IsoScanner::take_block(IsoWords&, ScannedChunk&) { return false; }
 void IsoScanner::apply(int g, IsoWords& words) {
   const CodeEntry* found = entry(g);
   const Code code = found == nullptr ? Code::unknown : found->code;
+  words.changes_state |= code != Code::harmless && code != Code::dwell && code != Code::home;
   switch (code) {
     case Code::unknown:
       refuse(code_name('G', g) + " is not known to dialect " + std::string(rules_.dialect));
@@ -356,6 +324,7 @@ void IsoScanner::apply(int g, IsoWords& words) {
       const double unit = code == Code::inch ? kInch_mm : 1;
       words.changes_modes |= unit != state_.unit_mm;
       state_.unit_mm = unit;
+      feed_unit_told_ = !(rules_.machine_feed_below_tenths > g && code == Code::inch);
       break;
     }
     case Code::cutter_on:
@@ -403,6 +372,13 @@ void IsoScanner::apply(int g, IsoWords& words) {
     case Code::refused:
       refuse(code_name('G', g) + ": " + found->reason);
       break;
+    case Code::cycle:
+      cycle_ = g;
+      refuse_move(code_name('G', g) + ": " + found->reason);
+      break;
+    case Code::cycle_end:
+      cycle_ = -1;
+      break;
     case Code::special:
       take_code(g, words);
       break;
@@ -419,8 +395,9 @@ void IsoScanner::execute(IsoWords& words, ScannedChunk& chunk) {
   const double feed_unit_before = state_.unit_mm;
   for (std::size_t i = 0; i < words.g_count; ++i) apply(words.g[i], words);
   for (std::size_t i = 0; i < words.m_count; ++i) take_m(words.m[i], words);
-  if (!words.dwell && (words.feed.end != 0 || words.feed_expression)) {
-    state_.feed = words.feed.value.value();
+  codes_followed_ = true;
+  if (!(words.dwell && rules_.dwell_takes_feed) && (words.feed.end != 0 || words.feed_expression)) {
+    state_.feed = feed_unit_told_ && !words.optional ? words.feed.value.value() : 0;
     state_.feed_unit_mm = feed_unit_before;
     if (words.feed.end != 0) move_.block.feed_word = words.feed;
   }
@@ -429,9 +406,12 @@ void IsoScanner::execute(IsoWords& words, ScannedChunk& chunk) {
     state_.forget(only(2));
     tool_length_changed_ = false;
   }
-  if (words.motion >= 0) motion_ = words.motion;
-  if (words.alone >= 0 && words.optional && move_.block.words > 0)
-    refuse("/ before " + code_name('G', words.alone) + ": whether it runs is not known");
+  if (words.motion >= 0) {
+    motion_ = words.motion;
+    cycle_ = -1;
+  }
+  if ((words.alone >= 0 || words.home) && words.optional && move_.block.words > 0)
+    refuse_move("/ before " + code_name('G', words.alone) + ": whether it runs is not known");
   if (words.home) {
     forget_words();
     ++chunk.copied_moves;
@@ -441,6 +421,8 @@ void IsoScanner::execute(IsoWords& words, ScannedChunk& chunk) {
   } else if (!take_block(words, chunk)) {
     run_move(words, chunk);
   }
+  if (words.optional && (words.changes_state || words.tool_change || words.ends))
+    refuse("/ before a block that changes modes, zeros or tools, or ends the program: whether it runs is not known");
   if (words.ends) ended_ = true;
 }
 
@@ -454,10 +436,11 @@ void IsoScanner::run_move(const IsoWords& words, ScannedChunk& chunk) {
     if (code == Code::other_motion) refuse_motion(words.motion);
     return;
   }
-  if (words.optional) refuse("/ before a block that moves: whether it runs is not known");
+  if (words.optional) refuse_move("/ before a block that moves: whether it runs is not known");
+  if (cycle_ >= 0) refuse_motion(cycle_);
   const Code code = code_of(motion_);
   if (words.machine_coordinates) {
-    if (code != Code::rapid && code != Code::line) refuse("G53 without G0 or G1");
+    if (code != Code::rapid && code != Code::line) refuse_move("G53 without G0 or G1");
     forget_words();
     ++chunk.copied_moves;
     return;
@@ -468,6 +451,7 @@ void IsoScanner::run_move(const IsoWords& words, ScannedChunk& chunk) {
     move_.kind = Move::Kind::line;
   } else if (arc_mode()) {
     move_.kind = Move::Kind::arc;
+    if (words.turns_expression) refuse_move("P, the turns of an arc, is not followed by a plain number");
     if (words.dwell && words.arc[4] != nullptr && rules_.turns_letter == 'P')
       bad("P in a block with an arc and G4 or G64 has two meanings");
   } else {
@@ -518,8 +502,8 @@ void IsoScanner::forget_words() { state_.forget(move_.block.words > 0 ? move_.bl
 
 void IsoScanner::refuse_motion(int motion) const {
   const CodeEntry* found = entry(motion);
-  if (found == nullptr || found->code == Code::no_motion) refuse("axis words without a motion code");
-  refuse(code_name('G', motion) + ": " + found->reason);
+  if (found == nullptr || found->code == Code::no_motion) refuse_move("axis words without a motion code");
+  refuse_move(code_name('G', motion) + ": " + found->reason);
 }
 
 }  // namespace trunnion

@@ -36,9 +36,11 @@ enum class Code : std::uint8_t {
   dwell,                ///< its words are times
   absolute_centre,
   relative_centre,
-  refused,  ///< for its reason
-  special,  ///< the dialect's own affair
-  alone,    ///< the same, and no other such code in the block
+  refused,    ///< for its reason
+  cycle,      ///< a canned cycle beside the motion codes: refused for its reason until one of those or its end comes
+  cycle_end,  ///< G80 of such cycles
+  special,    ///< the dialect's own affair
+  alone,      ///< the same, and no other such code in the block
 };
 
 /// One G code of a dialect.
@@ -58,6 +60,8 @@ struct IsoRules {
   char turns_letter = 0;                                ///< P of an arc: its turns, the first counted
   int first_motion = 800;                               ///< the code that holds at the program's begin
   bool point_matters = false;                           ///< 10 and 10. may be different
+  bool dwell_takes_feed = false;                        ///< F beside a dwell is its time
+  int machine_feed_below_tenths = 0;  ///< inch codes below this one change lengths alone, F stays in the machine's unit
 };
 
 /// The words of one block, sorted by what they are.
@@ -75,8 +79,10 @@ struct IsoWords {
   int motion = -1, alone = -1;
   bool machine_coordinates = false, home = false, dwell = false, stops = false, ends = false, tool_change = false;
   bool changes_modes = false;
-  bool rest_ignored = false;  ///< a declaration: what follows on the line are no words
-  std::uint32_t begin = 0;    ///< of the line
+  bool changes_state = false;     ///< a code that is more than harmless
+  bool turns_expression = false;  ///< P is computed
+  bool rest_ignored = false;      ///< a declaration: what follows on the line are no words
+  std::uint32_t begin = 0;        ///< of the line
 
   bool has_centre() const { return arc[0] != nullptr || arc[1] != nullptr || arc[2] != nullptr; }
 };
@@ -136,6 +142,7 @@ class IsoScanner : public ProgramScanner {
   void execute(IsoWords& words, ScannedChunk& chunk);
   void run_move(const IsoWords& words, ScannedChunk& chunk);
   [[noreturn]] void refuse_motion(int motion) const;
+  bool follow_codes(std::string_view line);
   const CodeEntry* entry(int tenths) const;
 
   ScanSettings settings_;
@@ -147,8 +154,9 @@ class IsoScanner : public ProgramScanner {
   std::uint64_t line_ = 0;
   std::uint32_t begin_ = 0;
   std::string_view current_;  // the line
-  bool anything_ = false, percent_ = false, ended_ = false;
-  int motion_;
+  bool anything_ = false, percent_ = false, ended_ = false, lost_ = false, codes_followed_ = false;
+  int motion_, cycle_ = -1;
+  bool feed_unit_told_ = true;
   bool tool_length_changed_ = false;
 };
 

@@ -46,6 +46,12 @@ enum class BlockKind : std::uint8_t {
   set_position,  ///< G92: the words say where the machine stands, and it stands corrected
 };
 enum class FeedMode : std::uint8_t { per_minute, inverse_time, per_revolution };
+/// How the tool turns on its way from one orientation to the next under tool-centre-point control.
+enum class ToolTurning : std::uint8_t {
+  axes,          ///< the rotary axes go in proportion
+  great_circle,  ///< the tool axis goes in one plane, at one rate
+  not_told,
+};
 
 /// The circular part of a move, in mm of the program's frame: after the part s of the way the tip is at
 ///   centre + (1 + s growth) (cos(s sweep) along + sin(s sweep) across) + s rise,
@@ -112,7 +118,8 @@ struct BlockFacts {
   bool tcp = true;                          ///< X Y Z turn with the table
   bool straight_on_part = false;  ///< without tcp: between its ends the tip goes straight on the part all the same
   bool cutter = false;            ///< cutter radius compensation is active
-  bool rotary_fixed = false;      ///< the control positions the rotary axes by itself: they get no words
+  ToolTurning turning = ToolTurning::axes;
+  bool rotary_fixed = false;  ///< the control positions the rotary axes by itself: they get no words
   bool from_known = false;
   bool blank_before_words = true;  ///< how words are set apart
   bool stops = false;              ///< a program stop or end stands in the block
@@ -154,7 +161,12 @@ struct MotionBlock : BlockFacts {
 struct Refusal {
   std::uint64_t line = 0;
   std::string reason;
-  enum class Kind { refused, out_of_range, bad_input } kind = Kind::refused;
+  enum class Kind {
+    refused,
+    out_of_range,
+    bad_input,
+    for_good,  ///< refused even where refused blocks are to be copied
+  } kind = Kind::refused;
 };
 
 /// What one chunk of a program holds for the corrector.
@@ -173,6 +185,8 @@ struct ControlFacts {
   std::string tcp_frame = "zero";
   std::string whole_numbers = "ask";  ///< what X10 without a point is: "units", "increments", or refused: "ask"
   std::string turn_path = "dialect";  ///< how an absolute C is reached: "shortest", "as written", the dialect's default
+  /// How the tool turns between two axes told as vectors where the program does not say: "axes", "great circle", "ask".
+  std::string orientation_path = "ask";
 };
 
 /// What a scan is told about program and machine.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "error.h"
+#include "postproc/tool_axis.h"
 
 namespace trunnion {
 namespace {
@@ -18,6 +19,26 @@ constexpr double kStrokeRounding_mm = 1e-9;
 /// 30 um error scale bend 0.003 um.
 constexpr double kStraight_deg = 2;
 constexpr double kStraight_mm = 20;
+constexpr double kSameAxis_rad = 1e-9, kOpposite_rad = 1e-3;
+
+/// The rotary axes after the part `s` of a way on which the tool axis goes the great circle between its ends.
+IndexedPosition on_great_circle(const KinematicChain& chain, IndexedPosition from, IndexedPosition to, double s) {
+  const IndexedPosition straight{from.a + s * (to.a - from.a), from.c + s * (to.c - from.c)};
+  const Vector3d begin = tool_axis_w(chain, from), end = tool_axis_w(chain, to);
+  const double angle = std::atan2(begin.cross(end).norm(), begin.dot(end));
+  if (angle < kSameAxis_rad || s <= 0 || s >= 1) return straight;
+  if (angle > std::numbers::pi - kOpposite_rad)
+    throw RefusalError("the tool turns about, and by which way is not told; post shorter moves");
+  const Vector3d axis = (std::sin((1 - s) * angle) * begin + std::sin(s * angle) * end).normalized();
+  // The branch that the ends are on.
+  IndexedPosition nearest = straight;
+  double least = 1e300;
+  for (const AxisSolution& way : rotary_positions_for(chain, axis, straight.c)) {
+    const double away = std::abs((way.at.a - straight.a).in_radians()) + std::abs((way.at.c - straight.c).in_radians());
+    if (away < least) least = away, nearest = way.at;
+  }
+  return nearest;
+}
 
 AxisValues between(const AxisValues& from, const AxisValues& to, double s) {
   AxisValues at;
@@ -94,7 +115,16 @@ Commanded PathSolver::commanded(const MotionBlock& block, const AxisValues& at) 
 AxisValues PathSolver::place_between(const MotionBlock& block, const AxisValues& from, const AxisValues& to,
                                      double s) const {
   AxisValues at = between(from, to, s);
-  if (!block.straight_on_part || s >= 1) return at;
+  if (s >= 1) return at;
+  if (block.turning == ToolTurning::great_circle) {
+    const auto rotary = [](const AxisValues& v) {
+      return IndexedPosition{Angle::degrees(v[kTilt]), Angle::degrees(v[kTurn])};
+    };
+    const IndexedPosition turned = on_great_circle(corrector(block).chain(), rotary(from), rotary(to), s);
+    at[kTilt] = turned.a.in_degrees();
+    at[kTurn] = turned.c.in_degrees();
+  }
+  if (!block.straight_on_part) return at;
   const Vector3d xyz =
       sent_between(block, commanded(block, from), commanded(block, to), s).xyz_mm;  // such blocks have no frame
   for (std::size_t i = 0; i < 3; ++i) at[i] = xyz[static_cast<Eigen::Index>(i)];
@@ -111,6 +141,8 @@ Commanded PathSolver::sent_between(const MotionBlock& block, const Commanded& fr
   Commanded at = to;
   at.rotary.a = from.rotary.a + s * (to.rotary.a - from.rotary.a);
   at.rotary.c = from.rotary.c + s * (to.rotary.c - from.rotary.c);
+  if (block.turning == ToolTurning::great_circle)
+    at.rotary = on_great_circle(corrector(block).chain(), from.rotary, to.rotary, s);
   if (block.straight_on_part) {
     const KinematicChain& chain = corrector(block).chain();
     const auto on_part = [&](const Commanded& c) { return chain.r_from_w(c.rotary).inverse() * c.xyz_mm; };
@@ -258,7 +290,7 @@ std::optional<Eigen::Vector3d> PathSolver::moved_arc(const MotionBlock& block, c
   for (int k = 1; k < kLooks; ++k) {
     const double s = static_cast<double>(k) / kLooks;
     const Commanded wanted = commanded(block, on_way(block, s));
-    AxisValues at = with_arc(&sent, between(block.from, block.target, s), s);
+    AxisValues at = with_arc(&sent, place_between(block, block.from, block.target, s), s);
     for (const std::size_t i : {kTilt, kTurn})
       at[i] += before[i].value() + s * (end.ticks[i].value() - before[i].value());
     const Commanded there = commanded(block, at);
@@ -288,6 +320,11 @@ Way PathSolver::way(const MotionBlock& block, const Solution& end) const {
       const Solution& from = k == 1 ? begin : way.ends[static_cast<std::size_t>(k) - 2];
       if (!holds_between(block, from, before, way.ends.back(), after, tip_mm, tilt_rad)) way.within_tolerance = false;
     }
+    if (way.within_tolerance && n == 1) return way;
+    if (block.turning == ToolTurning::not_told && turn_deg(block.from, block.target) > 0)
+      throw RefusalError(
+          "how the tool turns between two axes told as vectors is not known; program ORIAXES or ORIVECT, say "
+          "orientation_path under [control] of the machine file, or post shorter moves");
     if (way.within_tolerance || n >= most) return way;
     // A chord's error falls with the square of its length.
     const double excess = std::max(tip_mm / guard_.tolerance_mm, tilt_rad / guard_.tolerance_rad);

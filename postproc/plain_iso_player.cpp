@@ -117,6 +117,7 @@ class PlainIsoPlayer : public PlainPlayer {
       : settings_(settings), fanuc_(dialect == "fanuc"), siemens_(dialect == "sinumerik"), tcp_(settings.tcp) {
     at_.fill(kUnknown);
     motion_ = fanuc_ ? 0 : 1;
+    great_circle_ = siemens_ && settings.control.orientation_path == "great circle";
     select("G54");
   }
 
@@ -141,7 +142,7 @@ class PlainIsoPlayer : public PlainPlayer {
   void code(double g) {
     const int n = static_cast<int>(std::lround(10 * g));
     if (n == 0 || n == 10 || n == 20 || n == 30) motion_ = n / 10;
-    if (n == 40) used_ = true;
+    if (n == 40) used_ = fanuc_ || siemens_;
     if (n == 170) plane_ = {0, 1, 2};
     if (n == 180) plane_ = {2, 0, 1};
     if (n == 190) plane_ = {1, 2, 0};
@@ -184,6 +185,7 @@ class PlainIsoPlayer : public PlainPlayer {
 
   void named(const std::string& name, const std::string& inside) {
     if (name == "TRAORI" || name == "TRAFOOF") control_tip(name == "TRAORI");
+    if (name == "ORIVECT" || name == "ORIPLANE" || name == "ORIAXES") great_circle_ = name != "ORIAXES";
     if (name == "CIP") motion_ = 4;
     if (name == "CT") motion_ = 5;
     if (name == "SUPA") machine_ = true;
@@ -311,6 +313,7 @@ class PlainIsoPlayer : public PlainPlayer {
     move.to = at_;
     move.feed = motion_ != 0;
     move.tcp = tcp_ || plane_frame_.has_value();
+    move.great_circle = great_circle_ && tcp_ && !plane_frame_;
     if (tcp_ && !plane_frame_ && !settings_.tcp_forced && settings_.control.tcp_frame == "fixed") {
       move.tcp = false;
       move.straight_on_part = true;
@@ -408,7 +411,7 @@ class PlainIsoPlayer : public PlainPlayer {
   AxisValues at_{}, shift_{}, kept_{}, outside_{};
   int motion_ = 1, percents_ = 0;
   double unit_ = 1;
-  bool incremental_ = false, absolute_centre_ = false, ended_ = false;
+  bool great_circle_ = false, incremental_ = false, absolute_centre_ = false, ended_ = false;
   std::array<std::size_t, 3> plane_{0, 1, 2};
   std::optional<Eigen::Isometry3d> tip_frame_, plane_frame_, none_;
   Vector3d tangent_ = Vector3d::Zero();

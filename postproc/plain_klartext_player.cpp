@@ -83,6 +83,7 @@ class PlainKlartextPlayer : public PlainPlayer {
     if (first == "CYCL" && w.says("DEF")) shift(w);
     if (first == "FUNCTION") {
       if (w.says("TCPM")) control_tip(!w.says("RESET"));
+      great_circle_ = w.says("TCPM") && w.says("VECTOR");
     }
     if (first == "PLANE") plane(w);
     if (first == "L" || first == "LN" || first == "C" || first == "CR" || first == "CT" || first == "CP")
@@ -99,7 +100,10 @@ class PlainKlartextPlayer : public PlainPlayer {
     if (m == 6) at_.fill(kUnknown);
     if (m == 94) at_[kTurn] -= 360 * std::floor(at_[kTurn] / 360);
     if (m == 126 || m == 127) shortest_ = m == 126;
-    if (m == 128 || m == 129) control_tip(m == 128);
+    if (m == 128 || m == 129) {
+      control_tip(m == 128);
+      great_circle_ = false;
+    }
   }
 
   void control_tip(bool on) {
@@ -217,6 +221,7 @@ class PlainKlartextPlayer : public PlainPlayer {
     if (!any && first[0] != 'C') return std::nullopt;
     move.feed = !w.says("FMAX");
     move.tcp = tcp_ || plane_frame_.has_value();
+    move.great_circle = great_circle_ && tcp_ && !plane_frame_;
     if (tcp_ && !plane_frame_ && !settings_.tcp_forced && settings_.control.tcp_frame == "fixed") {
       move.tcp = false;
       move.straight_on_part = true;
@@ -277,7 +282,7 @@ class PlainKlartextPlayer : public PlainPlayer {
   }
 
   ScanSettings settings_;
-  bool tcp_, shortest_ = false, ended_ = false;
+  bool tcp_, shortest_ = false, ended_ = false, great_circle_ = false;
   double unit_ = 1, sense_ = 0;
   std::array<double, 3> offset_{}, pole_{};
   AxisValues at_{}, shift_{}, outside_{};

@@ -12,6 +12,23 @@ bool PlayedMove::begins_known() const {
   return true;
 }
 
+/// The angles of `place`, in proportion so far, where the tool axis turns about the normal of both directions.
+void PlayedMove::turn_in_one_plane(AxisValues& place, double s, const KinematicChain& chain) const {
+  const auto axis_at = [&](const AxisValues& at) {
+    const IndexedPosition there{Angle::degrees(at[kTilt]), Angle::degrees(at[kTurn])};
+    return Vector3d(chain.r_from_w(there).linear().transpose() * chain.r_from_t(there).linear().col(2));
+  };
+  const Vector3d begin = axis_at(from), normal = begin.cross(axis_at(to));
+  if (normal.norm() < 1e-9) return;
+  const double whole = std::atan2(normal.norm(), begin.dot(axis_at(to)));
+  const Vector3d axis = Eigen::AngleAxisd(s * whole, normal.normalized()) * begin;
+  ScanSettings only_chain;
+  only_chain.chain = &chain;
+  const auto [tilt, turn] = descended_to_axis(only_chain, axis, place[kTilt], place[kTurn]);
+  place[kTilt] = tilt;
+  place[kTurn] = turn;
+}
+
 AxisValues PlayedMove::at(double s, const KinematicChain* chain) const {
   AxisValues place = to;
   Vector3d xyz(to[0], to[1], to[2]);
@@ -19,6 +36,7 @@ AxisValues PlayedMove::at(double s, const KinematicChain* chain) const {
     for (std::size_t i = 0; i < kAxes; ++i) place[i] = from[i] + s * (to[i] - from[i]);
     const Vector3d begin(from[0], from[1], from[2]);
     xyz = begin + s * (xyz - begin);
+    if (great_circle) turn_in_one_plane(place, s, *chain);
     if (arc) {
       const Vector3d normal = along.cross(across).normalized();
       const double angle = s * sweep_rad;

@@ -16,6 +16,7 @@ struct PlayedMove {
   bool straight_on_part = false;                        ///< they are of R, but the tip goes straight in W
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  ///< of X Y Z in W, where a plane is tilted
   Eigen::Vector3d frame_origin_mm = Eigen::Vector3d::Zero();
+  bool great_circle = false;  ///< the tool axis goes from one direction to the other in one plane
   bool arc = false;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(), along = Eigen::Vector3d::Zero(), across = Eigen::Vector3d::Zero();
   double sweep_rad = 0;
@@ -24,6 +25,9 @@ struct PlayedMove {
   bool begins_known() const;
   /// X Y Z of W or R, A and C after the part `s` of the way.
   AxisValues at(double s, const KinematicChain* chain) const;
+
+ private:
+  void turn_in_one_plane(AxisValues& place, double s, const KinematicChain& chain) const;
 };
 
 /// A plain reader of one dialect, an if per code, that shares no code with the scans. Enough for programs that a scan

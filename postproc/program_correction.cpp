@@ -160,7 +160,7 @@ class Pipeline {
       const std::string text = how_.name + ":" + std::to_string(refusal.line) + ": " + refusal.reason;
       if (refusal.kind == Refusal::Kind::bad_input) throw InputError(text);
       if (!how_.scan.keep_going && refusal.kind == Refusal::Kind::out_of_range) throw RangeError(text);
-      if (!how_.scan.keep_going) throw RefusalError(text);
+      if (!how_.scan.keep_going || refusal.kind == Refusal::Kind::for_good) throw RefusalError(text);
       if (result_.refusals.size() < kMostRefusals) result_.refusals.push_back(refusal);
     }
     result_.counts += corrected.counts;

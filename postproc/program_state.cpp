@@ -44,8 +44,13 @@ Arc circle_through(const Vector3d& from, const Vector3d& through, const Vector3d
 
 }  // namespace
 
-void refuse(const std::string& what) { throw LineRefused{what}; }
+void refuse(const std::string& what) { throw LineRefused{what, Refusal::Kind::refused, true}; }
+void refuse_move(const std::string& what) { throw LineRefused{what}; }
 void bad(const std::string& what) { throw LineRefused{what, Refusal::Kind::bad_input}; }
+
+void refuse_corrected() {
+  throw LineRefused{"this program has been corrected already; correct the original", Refusal::Kind::for_good};
+}
 
 bool contains_mark(std::string_view comment) {
   const auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
@@ -97,7 +102,7 @@ double ProgramState::work_zero(std::size_t axis) {
     offset_ = {};
     if (!settings_.work_offsets_mm.empty() && system_ != "G500") {
       const auto found = settings_.work_offsets_mm.find(system_);
-      if (found == settings_.work_offsets_mm.end()) refuse(system_ + ": the job gives no work offset for it");
+      if (found == settings_.work_offsets_mm.end()) refuse_move(system_ + ": the job gives no work offset for it");
       offset_ = found->second;
     }
     offset_known_ = true;
@@ -189,7 +194,7 @@ std::vector<AxisSolution> ProgramState::reachable(const Vector3d& axis_w, const 
       const double tilt = way.at.a.in_degrees();
       return tilt < stroke->first - kSameAngle_deg || tilt > stroke->second + kSameAngle_deg;
     });
-  if (ways.empty()) refuse(name + ": this machine cannot hold the tool that way");
+  if (ways.empty()) refuse_move(name + ": this machine cannot hold the tool that way");
   return ways;
 }
 
@@ -207,9 +212,14 @@ void ProgramState::stand_at(const AxisSolution& way) {
 // --- blocks that move
 // -----------------------------------------------------------------------------------------------
 
+/// The axes whose words count, or would count, from the place before.
+AxisSet ProgramState::counting(const Move& move) const {
+  return static_cast<AxisSet>((incremental ? kAllAxes & ~move.block.wrapped : 0) | move.explicit_increments);
+}
+
 void ProgramState::place_words(const Move& move) {
   const MotionBlock& block = move.block;
-  const AxisSet counting = static_cast<AxisSet>((incremental ? ~block.wrapped : 0) | move.explicit_increments);
+  const AxisSet counting = this->counting(move);
   for (std::size_t i = 0; i < block.words; ++i) {
     const std::size_t axis = block.order[i];
     const WordPlace& word = block.word[axis];
@@ -244,7 +254,8 @@ void ProgramState::take_tool_axis(const Move& move) {
   const std::vector<AxisSolution> ways = reachable(axis, "the tool axis");
   const AxisSolution* best = &ways.front();
   if (ways.size() > 1) {
-    if (!knows(kTilt)) refuse("the tool axis can be held by two tilts; program the rotary axes themselves before it");
+    if (!knows(kTilt))
+      refuse_move("the tool axis can be held by two tilts; program the rotary axes themselves before it");
     const auto away = [&](const AxisSolution& way) {
       return std::abs(way.at.a.in_degrees() - at_[kTilt]) +
              (knows(kTurn) ? turn_apart(way.at.c.in_degrees(), at_[kTurn]) : 0);
@@ -276,9 +287,9 @@ void ProgramState::set_position(Move& move, std::uint64_t line, ScannedChunk& ch
 
 void ProgramState::move(Move& move, std::uint64_t line, ScannedChunk& chunk) {
   MotionBlock& block = move.block;
-  if (!plane_waits_.empty()) refuse("a move behind " + plane_waits_ + " before the tool was turned to its plane");
+  if (!plane_waits_.empty()) refuse_move("a move behind " + plane_waits_ + " before the tool was turned to its plane");
   if (in_plane() && ((block.programmed & kRotaryAxes) != 0 || move.tool_axis))
-    refuse("a rotary axis moves in a tilted plane, which goes with the table; post that move outside the plane");
+    refuse_move("a rotary axis moves in a tilted plane, which goes with the table; post that move outside the plane");
   const AxisSet known_before = known_;
   const AxisValues from = at_;
   place_words(move);
@@ -292,21 +303,22 @@ void ProgramState::move(Move& move, std::uint64_t line, ScannedChunk& chunk) {
       (axis == kTilt ? tilt_sense_ : turn_sense_) = at_[axis] > from[axis] ? 1 : -1;
     if (!cutter.empty() && (holds(block.programmed, axis) || move.tool_axis) &&
         !(holds(known_before, axis) && at_[axis] == from[axis]))
-      refuse(std::string(cutter) +
-             " is active while a rotary axis moves: cutter radius compensation is not corrected there; post the tool's "
-             "centre path");
+      refuse_move(
+          std::string(cutter) +
+          " is active while a rotary axis moves: cutter radius compensation is not corrected there; post the tool's "
+          "centre path");
   }
   if (known_ != kAllAxes) {
     if (move.kind == Move::Kind::arc && !block.motion_word.stands())
-      refuse("an arc without its G2 or G3, in a place where not all axes are known");
+      refuse_move("an arc without its G2 or G3, in a place where not all axes are known");
     tangent_.reset();
     ++chunk.copied_moves;
-    if (!incremental) raw_since_ |= block.programmed;
+    raw_since_ |= static_cast<AxisSet>(block.programmed & ~counting(move));
     return;
   }
   describe(move, line);
   if (move.kind == Move::Kind::arc) {
-    if (known_before != kAllAxes) refuse("an arc in the block that first makes all axes known");
+    if (known_before != kAllAxes) refuse_move("an arc in the block that first makes all axes known");
     move.extras.arc = arc(move, from);
     move.extras.direction_in_effect = axis_by_vectors_;
     move.extras.frame.reset();
@@ -316,7 +328,7 @@ void ProgramState::move(Move& move, std::uint64_t line, ScannedChunk& chunk) {
     tangent_ = (made.sweep_rad * (std::cos(made.sweep_rad) * made.across - std::sin(made.sweep_rad) * made.along))
                    .normalized();
     if (block.straight_on_part && (at_[kTilt] != from[kTilt] || at_[kTurn] != from[kTurn]))
-      refuse("an arc while the table turns in a frame that does not turn with it");
+      refuse_move("an arc while the table turns in a frame that does not turn with it");
   } else if (const Vector3d way = linear(at_) - linear(from); known_before == kAllAxes && way.squaredNorm() > 0) {
     tangent_ = way.normalized();
   }
@@ -346,7 +358,7 @@ Arc ProgramState::arc(const Move& move, const AxisValues& from) {
   double& centre_a = centre[static_cast<Eigen::Index>(a)];
   double& centre_b = centre[static_cast<Eigen::Index>(b)];
   if (told.tangent) {
-    if (!tangent_) refuse("an arc that goes on from a move which is not known");
+    if (!tangent_) refuse_move("an arc that goes on from a move which is not known");
     const double normal_a = -part(*tangent_, b), normal_b = part(*tangent_, a);
     const double across = chord_a * normal_a + chord_b * normal_b;
     if (std::abs(across) < 1e-9 * chord * std::hypot(normal_a, normal_b) || chord == 0)
@@ -394,6 +406,14 @@ Arc ProgramState::arc(const Move& move, const AxisValues& from) {
   return arc;
 }
 
+ToolTurning ProgramState::turning_now() const {
+  if (!tcp_ || in_plane()) return ToolTurning::axes;
+  if (turning) return *turning;
+  const std::string& path = settings_.control.orientation_path;
+  if (path == "great circle") return ToolTurning::great_circle;
+  return axis_by_vectors_ && path == "ask" ? ToolTurning::not_told : ToolTurning::axes;
+}
+
 void ProgramState::describe(Move& move, std::uint64_t line) {
   MotionBlock& block = move.block;
   block.line = line;
@@ -403,8 +423,9 @@ void ProgramState::describe(Move& move, std::uint64_t line) {
     block.straight_on_part = true;
   }
   block.rotary_fixed = in_plane();
+  block.turning = turning_now();
   block.cutter = !cutter.empty();
-  block.incremental = static_cast<AxisSet>((incremental ? kAllAxes & ~block.wrapped : 0) | move.explicit_increments);
+  block.incremental = counting(move);
   block.in_turn = in_turn_;
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
     int least = settings_.decimals + (axis < 3 && unit_mm != 1 ? 2 : 0);

@@ -13,16 +13,26 @@ inline constexpr double kInch_mm = 25.4;
 inline constexpr double kFarthest =
     1e6;  ///< mm, inch or degrees: beyond any machine, within exact arithmetic of digits
 
+inline constexpr double kFastest = 1e9;  ///< of F
+
 /// Thrown inside one line, told with its number by the scan.
 struct LineRefused {
   std::string reason;
   Refusal::Kind kind = Refusal::Kind::refused;
+  bool lasting = false;  ///< what follows in the program cannot be followed either
 };
+/// For what changes the state of the program in a way that is not followed.
 [[noreturn]] void refuse(const std::string& what);
+/// For what moves the tool, but leaves modes and zeros as they are: the program is known again with its axes.
+[[noreturn]] void refuse_move(const std::string& what);
 [[noreturn]] void bad(const std::string& what);
+
+/// Behind the reason of a lasting refusal that is passed over.
+inline constexpr const char* kCopiedToEnd = "; from here on the program is copied";
 
 /// Whether a comment says that the program was corrected.
 bool contains_mark(std::string_view comment);
+[[noreturn]] void refuse_corrected();
 
 /// How a block tells its arc; lengths in mm.
 struct ArcTold {
@@ -68,7 +78,8 @@ class ProgramState {
   FeedMode feed_mode = FeedMode::per_minute;
   double feed = 0;  ///< 0: not known
   double feed_unit_mm = 1;
-  bool turn_shortest = false;  ///< an absolute C is reached the shorter way
+  bool turn_shortest = false;          ///< an absolute C is reached the shorter way
+  std::optional<ToolTurning> turning;  ///< none: as the machine file says
 
   const AxisValues& at() const { return at_; }
   bool knows(std::size_t axis) const { return holds(known_, axis); }
@@ -103,6 +114,7 @@ class ProgramState {
  private:
   double work_zero(std::size_t axis);
   double zero(std::size_t axis);
+  AxisSet counting(const Move& move) const;
   void place_words(const Move& move);
   void take_tool_axis(const Move& move);
   std::vector<AxisSolution> reachable(const Eigen::Vector3d& axis_w, const std::string& name) const;
@@ -110,6 +122,7 @@ class ProgramState {
   const ProgramFrame* frame() const;
   void new_frame();
   Arc arc(const Move& move, const AxisValues& from);
+  ToolTurning turning_now() const;
   void describe(Move& move, std::uint64_t line);
 
   ScanSettings settings_;

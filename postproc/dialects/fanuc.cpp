@@ -104,19 +104,19 @@ constexpr CodeEntry kCodes[] = {
     {683, Code::refused, "a plane from where the tool stands is not followed; post it with G68.2"},
     {684, Code::refused, "a plane told from another plane is not followed; post it with G68.2"},
     {690, Code::special},
-    {730, Code::refused, kCycle},
-    {740, Code::refused, kCycle},
-    {760, Code::refused, kCycle},
-    {800, Code::harmless},
-    {810, Code::refused, kCycle},
-    {820, Code::refused, kCycle},
-    {830, Code::refused, kCycle},
-    {840, Code::refused, kCycle},
-    {850, Code::refused, kCycle},
-    {860, Code::refused, kCycle},
-    {870, Code::refused, kCycle},
-    {880, Code::refused, kCycle},
-    {890, Code::refused, kCycle},
+    {730, Code::cycle, kCycle},
+    {740, Code::cycle, kCycle},
+    {760, Code::cycle, kCycle},
+    {800, Code::cycle_end},
+    {810, Code::cycle, kCycle},
+    {820, Code::cycle, kCycle},
+    {830, Code::cycle, kCycle},
+    {840, Code::cycle, kCycle},
+    {850, Code::cycle, kCycle},
+    {860, Code::cycle, kCycle},
+    {870, Code::cycle, kCycle},
+    {880, Code::cycle, kCycle},
+    {890, Code::cycle, kCycle},
     {900, Code::absolute},
     {910, Code::incremental},
     {920, Code::alone},
@@ -141,6 +141,7 @@ class FanucScanner : public IsoScanner {
  public:
   explicit FanucScanner(const ScanSettings& settings) : IsoScanner(settings, kRules, kCodes) {
     state_.turn_shortest = settings.control.turn_path != "as written";
+    state_.turning = ToolTurning::axes;
   }
 
  protected:
@@ -179,9 +180,10 @@ class FanucScanner : public IsoScanner {
     if (whole == "units") return token.value;
     const std::string found = std::string(1, token.letter) + std::to_string(token.value.mantissa);
     if (whole == "ask")
-      refuse(found + " has no point: whether it is " + std::to_string(token.value.mantissa) +
-             " mm or so many increments is up to parameter 3401 bit 0; say whole_numbers = \"units\" or \"increments\" "
-             "under [control] of the machine file");
+      refuse_move(
+          found + " has no point: whether it is " + std::to_string(token.value.mantissa) +
+          " mm or so many increments is up to parameter 3401 bit 0; say whole_numbers = \"units\" or \"increments\" "
+          "under [control] of the machine file");
     return {token.value.mantissa, state_.unit_mm == 1 ? kIncrement_metric : kIncrement_inch};
   }
 
@@ -296,7 +298,7 @@ class FanucScanner : public IsoScanner {
   /// I J K of a line under G43.5.
   void take_direction(const IsoWords& words) {
     if (words.motion >= 20 || arc_mode())
-      refuse("an arc under G43.5, whose I J K are the tool's axis; post it with lines");
+      refuse_move("an arc under G43.5, whose I J K are the tool's axis; post it with lines");
     for (std::size_t i = 0; i < 3; ++i)
       if (words.arc[i] == nullptr) bad("I, J and K of a tool axis stand together");
     std::array<WordPlace, 3> direction;

@@ -152,7 +152,7 @@ class LinuxcncScanner : public IsoScanner {
         state_.forget(only(2));
         return true;
       case 100:
-        if (block.words > 0 || !words.offset_letter)
+        if (block.words > 0 || words.arc[3] != nullptr || !words.offset_letter)
           refuse("G10: sets offsets or tools while the program runs; give them in the job");
         return true;
       case 520:

@@ -84,17 +84,19 @@ const IsoRules kRules = {.dialect = "sinumerik",
                          .syntax = {.bracket_comments = false, .names = true},
                          .harmless_letters = "EHNQST",
                          .harmless_expressions = "SDHTNE",
-                         .first_motion = 10};
+                         .first_motion = 10,
+                         .dwell_takes_feed = true,
+                         .machine_feed_below_tenths = 1000};
 
 // Names that say nothing about where the tool goes.
 constexpr std::string_view kHarmlessNames[] = {
-    "MSG",     "STOPRE",   "SOFT",     "BRISK",    "DRIVE",     "SOFTA",       "BRISKA",    "FFWON",        "FFWOF",
-    "COMPON",  "COMPCURV", "COMPCAD",  "COMPSURF", "COMPOF",    "UPATH",       "SPATH",     "ORIWKS",       "ORIMKS",
-    "ORIAXES", "ORIVECT",  "ORIPLANE", "ORISON",   "ORISOF",    "ORIRESET",    "DIAMOF",    "FGROUP",       "FNORM",
-    "FLIN",    "CFC",      "CFTCP",    "CFIN",     "CDON",      "CDOF",        "CDOF2",     "NORM",         "KONT",
-    "KONTC",   "KONTT",    "CYCLE832", "PROC",     "WORKPIECE", "GROUP_BEGIN", "GROUP_END", "GROUP_ADDEND", "WALIMON",
-    "WALIMOF", "CPRECON",  "CPRECOF",  "ADIS",     "ADISPOS",   "WAITM",       "WAITP",     "SAVE",         "DISPLOF",
-    "SETAL",   "FENDNORM", "LFON",     "LFOF",     "TOWSTD",    "TOROTOF",     "STARTFIFO", "STOPFIFO",     "PAROTOF",
+    "MSG",         "STOPRE",    "SOFT",         "BRISK",    "DRIVE",   "SOFTA",    "BRISKA",   "FFWON",  "FFWOF",
+    "COMPON",      "COMPCURV",  "COMPCAD",      "COMPSURF", "COMPOF",  "UPATH",    "SPATH",    "ORISON", "ORISOF",
+    "ORIRESET",    "DIAMOF",    "FGROUP",       "FNORM",    "FLIN",    "CFC",      "CFTCP",    "CFIN",   "CDON",
+    "CDOF",        "CDOF2",     "NORM",         "KONT",     "KONTC",   "KONTT",    "CYCLE832", "PROC",   "WORKPIECE",
+    "GROUP_BEGIN", "GROUP_END", "GROUP_ADDEND", "WALIMON",  "WALIMOF", "CPRECON",  "CPRECOF",  "ADIS",   "ADISPOS",
+    "WAITM",       "WAITP",     "SAVE",         "DISPLOF",  "SETAL",   "FENDNORM", "LFON",     "LFOF",   "TOWSTD",
+    "TOROTOF",     "STARTFIFO", "STOPFIFO",     "PAROTOF",
 };
 // Assignments likewise.
 constexpr std::string_view kHarmlessValues[] = {"SPOS", "SPOSA", "CTOL", "OTOL", "ATOL",
@@ -155,8 +157,8 @@ class SinumerikScanner : public IsoScanner {
       if (token.counting == Counting::incremental) move_.explicit_increments |= only(*axis);
       if (token.counting == Counting::shortest) move_.shortest |= only(*axis);
       if (token.counting == Counting::one_way)
-        refuse(std::string(1, token.letter) +
-               "=ACP() or ACN(): a correction could send the axis round once more; post it with DC() or without");
+        refuse_move(std::string(1, token.letter) +
+                    "=ACP() or ACN(): a correction could send the axis round once more; post it with DC() or without");
       return;
     }
     if (token.letter == 'D') {
@@ -172,14 +174,22 @@ class SinumerikScanner : public IsoScanner {
     if (token.letter != 0) return IsoScanner::take_expression(token, words);
     const std::string name = upper_name(token);
     if (numbered(name, "RMSHTD") || among(kHarmlessValues, name)) return;
-    refuse(name + "= is not followed by a plain number; variables and expressions in motion words are not computed");
+    refuse_move(name +
+                "= is not followed by a plain number; variables and expressions in motion words are not computed");
   }
 
   void take_name(std::string_view line, const Token& token, IsoWords& words) override {
     const std::string name = upper_name(token);
     if (token.kind == TokenKind::word) return take_value(name, token);
     if (among(kHarmlessNames, name)) return;
-    if (name == "DEF" || name == "EXTERN") {
+    words.changes_state |= name != "DEF" && name != "EXTERN";
+    if (name == "ORIAXES") {
+      state_.turning = ToolTurning::axes;
+    } else if (name == "ORIVECT" || name == "ORIPLANE") {
+      state_.turning = ToolTurning::great_circle;
+    } else if (name == "ORIWKS" || name == "ORIMKS") {
+      vectors_of_machine_ = name == "ORIMKS";
+    } else if (name == "DEF" || name == "EXTERN") {
       words.rest_ignored = true;
     } else if (name == "TRAORI" || name == "TRAFOOF") {
       state_.set_tcp(name == "TRAORI", name);
@@ -309,13 +319,14 @@ class SinumerikScanner : public IsoScanner {
       arc_words_.push_back(place(token));
     } else if (name == "I1" || name == "J1" || name == "K1") {
       const std::size_t i = static_cast<std::size_t>(name[0] - 'I');
-      if (token.counting != Counting::modal) refuse(name + "=AC() or IC(); post it plain");
+      if (token.counting != Counting::modal) refuse_move(name + "=AC() or IC(); post it plain");
       point_words_ |= only(i);
       point_[i] = place(token);
     } else if (name == "AR" || name == "AP" || name == "RP") {
-      refuse(name + "=: an angle or polar coordinates; post the arc with its end and centre");
+      refuse_move(name + "=: an angle or polar coordinates; post the arc with its end and centre");
     } else if (among(kCorner, name)) {
-      refuse(name + "=: rounds or breaks a corner; post the program with its single moves");
+      (name == "RNDM" || name == "FRCM" ? refuse : refuse_move)(
+          name + "=: rounds or breaks a corner; post the program with its single moves");
     } else if (!numbered(name, "RMSHTD") && !among(kHarmlessValues, name)) {
       refuse(name + "=: this machine has no such axis, nor dialect sinumerik such a word");
     }
@@ -341,7 +352,8 @@ class SinumerikScanner : public IsoScanner {
   /// A3= B3= C3=.
   void take_direction() {
     if (axis_words_ != 0b111) bad("A3=, B3= and C3= of a tool axis stand together");
-    if (!state_.tcp()) refuse("a tool axis by A3= B3= C3= without TRAORI");
+    if (!state_.tcp()) refuse_move("a tool axis by A3= B3= C3= without TRAORI");
+    if (vectors_of_machine_) refuse_move("a tool axis by A3= B3= C3= under ORIMKS does not turn with the workpiece");
     if ((move_.block.programmed & kRotaryAxes) != 0) bad("a tool axis and a rotary axis in one block");
     move_.tool_axis =
         Eigen::Vector3d(direction_[0].value.value(), direction_[1].value.value(), direction_[2].value.value());
@@ -379,7 +391,8 @@ class SinumerikScanner : public IsoScanner {
     state_.turn_to_plane("CYCLE800");
   }
 
-  std::string frame_;  // TRANS and its like in this block
+  bool vectors_of_machine_ = false;  // ORIMKS
+  std::string frame_;                // TRANS and its like in this block
   AxisSet axis_words_ = 0, point_words_ = 0;
   std::array<WordPlace, 3> direction_{}, point_{};
   std::optional<WordPlace> cr_;

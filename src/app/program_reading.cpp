@@ -16,6 +16,7 @@ ControlFacts control_facts(const Machine& machine) {
   take("tcp_frame", facts.tcp_frame);
   take("whole_numbers", facts.whole_numbers);
   take("turn_path", facts.turn_path);
+  take("orientation_path", facts.orientation_path);
   return facts;
 }
 

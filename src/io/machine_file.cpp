@@ -116,6 +116,7 @@ Machine parse_machine(std::string_view text, const std::string& name) {
     machine.profile["control.tcp_frame"] = chosen(*control, "tcp_frame", {"zero", "start", "fixed"});
     machine.profile["control.whole_numbers"] = chosen(*control, "whole_numbers", {"ask", "units", "increments"});
     machine.profile["control.turn_path"] = chosen(*control, "turn_path", {"dialect", "shortest", "as written"});
+    machine.profile["control.orientation_path"] = chosen(*control, "orientation_path", {"ask", "axes", "great circle"});
     control->finish();
   }
   if (auto limits = top.table("limits")) {

@@ -229,9 +229,17 @@ TEST(ProgramCorrection, KeepsTheDurationOfATurn) {
   EXPECT_THAT(out, HasSubstr("G94 F300"));
 }
 
+TEST(ProgramCorrection, TakesTheFeedBesideABlendingTolerance) {
+  Shop shop;
+  const std::string out = shop.correct("G0 X10 Y20 Z30 A-40 C0\nG1 F100\nG64 P0.01 F300\nC90\n");
+  EXPECT_THAT(out, HasSubstr("G94 F300"));
+}
+
 TEST(ProgramCorrection, RefusesACorrectedProgram) {
   Shop shop;
   const std::string once = shop.correct(sphere(3));
+  EXPECT_EQ(shop.refusal(once), "part.ngc:2: this program has been corrected already; correct the original");
+  shop.how.scan.keep_going = true;
   EXPECT_EQ(shop.refusal(once), "part.ngc:2: this program has been corrected already; correct the original");
 }
 
@@ -269,12 +277,49 @@ TEST(ProgramCorrection, KeepsGoingWhenAsked) {
   shop.how.scan.keep_going = true;
   const std::string program = "G0 X1 Y1 Z1 A-20 C0\nG5 X5 I2\nG1 X6 F10\nX1 Y1 Z1 A-20 C0\nX2\nA-125\nX3 Y3\n A-20\n";
   const std::string out = shop.correct(program);
-  ASSERT_EQ(shop.result.refusals.size(), 3u);
+  ASSERT_EQ(shop.result.refusals.size(), 4u);
   EXPECT_EQ(shop.result.refusals[0].line, 2u);
   EXPECT_EQ(shop.result.refusals[1].line, 6u);
   EXPECT_EQ(shop.result.refusals[2].line, 7u);
+  EXPECT_EQ(shop.result.refusals[3].line, 8u);  // it comes from where nothing was measured
   EXPECT_THAT(out, HasSubstr("\nG5 X5 I2\nG1 X6 F10\n"));
   EXPECT_THAT(out, HasSubstr("\nA-125\n"));
+}
+
+TEST(ProgramCorrection, KeepsGoingOnlyWhereModesAndZerosAreKnown) {
+  const std::string head = "G0 X10 Y10 Z1 A-40 C0\n", move = "X20 Y1 Z2 A-45 C3\n";
+  // A move that is refused, and one whose own codes are followed: the next block is corrected.
+  for (const char* refused : {"X#1\n", "G1 F100 X#1\n", "M8 G81 X1 Z-5 R2 F100\nG1 F50\n"}) {
+    Shop shop;
+    shop.how.scan.keep_going = true;
+    const std::string out = shop.correct(head + refused + move);
+    EXPECT_THAT(out, HasSubstr(refused));
+    EXPECT_THAT(out, ::testing::Not(HasSubstr(move))) << refused;
+  }
+  // Modes or zeros that are not: copied to the end.
+  for (const char* refused :
+       {"G10 L2 P1 X5\n", "G91 X#1\n", "M98 P1\n", "X#1 G55\n", "/ G20\n", "G20 G41 D1 A-50\nG21 G41 G10 X0\n"}) {
+    Shop shop;
+    shop.how.scan.keep_going = true;
+    const std::string out = shop.correct(head + refused + move + "M30\n");
+    EXPECT_TRUE(out.ends_with(refused + move + "M30\n")) << out;
+    EXPECT_THAT(shop.result.refusals.back().reason, HasSubstr("; from here on the program is copied"));
+  }
+}
+
+TEST(ProgramCorrection, CopiesAnArcThatTheLinesBeforeItWouldHaveStraightened) {
+  Shop shop;
+  shop.how.scan.keep_going = true;
+  shop.how.guard.stroke[0] = {-80, 80};
+  const std::string out = shop.correct("G17 G0 X10 Y10 Z1 A-40 C0\nG2 X50 Y10 R20 F100\nX90 R20\nX50 R20\n");
+  ASSERT_EQ(shop.result.refusals.size(), 2u) << out;
+  EXPECT_THAT(out, HasSubstr("\nG2 X90 R20\nX50 R20\n"));
+  // One that was not understood cannot be copied behind lines either.
+  Shop other;
+  other.how.scan.keep_going = true;
+  EXPECT_EQ(
+      other.refusal("G17 G0 X10 Y10 Z1 A-40 C0\nG2 X50 Y10 R20 F100\nX#1 Y10 R20\n"),
+      "part.ngc:3: X is not followed by a plain number; variables and expressions in motion words are not computed");
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 namespace trunnion {
 namespace {
 
+constexpr const char* kOptionalModes =
+    "/ before a block that changes modes, zeros or tools, or ends the program: whether it runs is not known";
+
 struct Refused {
   std::string_view block;
   std::string_view reason;
@@ -28,6 +31,7 @@ const Refused kRefused[] = {
     {"G80 X5", "axis words without a motion code"},
     {"G7", "G7: diameter programming belongs to a lathe"},
     {"G10 L2 P1 X0", "G10: sets offsets or tools while the program runs; give them in the job"},
+    {"G10 L2 P1 R30", "G10: sets offsets or tools while the program runs; give them in the job"},
     {"G17.1", "G17.1: planes of U V W"},
     {"G68 X0 Y0 R30", "G68 is not known to dialect linuxcnc"},
     {"G43.4 H1", "G43.4 is not known to dialect linuxcnc"},
@@ -46,6 +50,12 @@ const Refused kRefused[] = {
     {"U1", "U: this machine has no such axis"},
     {"/ G1 X5 F100", "/ before a block that moves: whether it runs is not known"},
     {"/ G28 X0", "/ before G28: whether it runs is not known"},
+    {"/ G91", kOptionalModes},
+    {"/ G1", kOptionalModes},
+    {"/ G43 H1", kOptionalModes},
+    {"/ T2 M6", kOptionalModes},
+    {"/ M30", kOptionalModes},
+    {"G2 X3 Y2 I1 J0 P#1", "P, the turns of an arc, is not followed by a plain number"},
     {"G1 C90", "F is not known, so the duration of this turn cannot be kept"},
     {"G95 G1 C90 F1", "a turn of the rotary axes in G95 whose X Y Z correction would change its duration"},
     {"G1 C90 F100 M0", "a move that must be divided stands in one block with a program stop; give each its own block"},
@@ -113,7 +123,8 @@ TEST(Refusals, WantAWorkOffsetWhereTheJobGivesAny) {
 TEST(Refusals, SpareWhatDoesNotMove) {
   Shop shop("w C' A' Y' b X Z t", 0);
   const std::string program =
-      "#1=5\n#<a b>=[3+#1]\nG17 G40 G49 G64 P0.01\nT1 M6\nG0 X1 Y2 Z3 A-4 C5\n/ M8\nS#1 M3\nG4 P[1]\nG41 "
+      "#1=5\n#<a b>=[3+#1]\nG17 G40 G49 G64 P0.01\nT1 M6\nG0 X1 Y2 Z3 A-4 C5\n/ M8\n/ (NO MOVE) S500 F200\nS#1 M3\nG4 "
+      "P[1]\nG41 "
       "D1\nG40\n(MSG, hello)\n"
       "M62 P0\nG28.1\nG43 H1\nM101 P1\nM0\nG1 Z5 F100 M9\nM30\n";
   EXPECT_EQ(shop.refusal(program), program);
