@@ -40,6 +40,12 @@ function(trunnion_write_link_graph)
   file(WRITE ${PROJECT_BINARY_DIR}/link_graph.txt "${text}")
 endfunction()
 
+# trunnion_alike(a.cpp …): files that say the same names each for its own (one controller, one dialect, one command a file) and so are compiled
+# each alone where others are compiled together (CMAKE_UNITY_BUILD).
+function(trunnion_alike)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # trunnion_test(NAME SOURCES a_test.cpp … [LINK …] [LABELS …]): one GoogleTest program, its cases known to ctest.
 function(trunnion_test NAME)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINK;LABELS" ${ARGN})

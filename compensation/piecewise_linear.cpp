@@ -1,9 +1,10 @@
 #include "compensation/piecewise_linear.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 
@@ -37,7 +38,7 @@ Eigen::MatrixXd PiecewiseLinear::projector(const std::vector<double>& points, st
   Eigen::MatrixXd normal = hats.transpose() * hats;
   if (pinned) normal(static_cast<Eigen::Index>(*pinned) % unknowns, static_cast<Eigen::Index>(*pinned) % unknowns) = 1;
   Eigen::MatrixXd projected(n, m);
-  projected.topRows(unknowns) = normal.llt().solve(hats.transpose());
+  projected.topRows(unknowns) = Cholesky(normal).solve(hats.transpose());
   if (unknowns < n) projected.row(n - 1) = projected.row(0);
   return projected;
 }

@@ -1,11 +1,11 @@
 #include "compensation/projection.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "linear_algebra/factors.h"
 #include "model/effects/location_errors.h"
 #include "model/joint_motion.h"
 
@@ -174,7 +174,7 @@ OwnAxisFit own_axis_fit(const CompensationTask& task, const Matrix6d& metric, co
     right -= coupled.transpose() * (tilt_right[i] / tilt_weight[i]);
   }
   normal.diagonal().array() += 1e-9 * normal.diagonal().mean();  // angles that are left out, and f against g
-  const Eigen::VectorXd solved = normal.ldlt().solve(right);
+  const Eigen::VectorXd solved = PivotedCholesky(normal).solve(right);
   const Eigen::VectorXd f = (tilt_right - coupling * solved).cwiseQuotient(tilt_weight);
   return {{f.begin(), f.end()}, {solved.begin(), solved.begin() + columns}, solved.tail(m)};
 }
@@ -227,7 +227,7 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
       place.turning << seen(place.about_a.tail<3>()), seen(place.about_c.tail<3>());
       Eigen::Matrix2d inner = place.turning.transpose() * place.turning + 1e-9 * Eigen::Matrix2d::Identity();
       inner(1, 1) += kSteady_mm * kSteady_mm;
-      place.solve = inner.ldlt().solve(place.turning.transpose());
+      place.solve = inner.inverse() * place.turning.transpose();
       // Rotary axes eliminated: what they cannot take is left to the levers.
       Eigen::Matrix<double, 9, 9> normal =
           widths.asDiagonal() * (-place.turning.topRows<9>() * place.solve.leftCols<9>()) * widths.asDiagonal();
@@ -235,7 +235,7 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
       of_row[i] += normal;
       of_column[j] += normal;
     }
-  std::vector<Eigen::LDLT<Eigen::Matrix<double, 9, 9>>> row_solvers(of_row.begin(), of_row.end()),
+  std::vector<PivotedCholesky> row_solvers(of_row.begin(), of_row.end()),
       column_solvers(of_column.begin(), of_column.end());
   // Levers of A given those of C and the other way round; where C is carried by A the second round finds nothing new.
   std::vector<Lever> of_tilt(rows, Lever::Zero()), of_turn(columns, Lever::Zero());
@@ -320,7 +320,7 @@ EffectPtr followed_location(const CompensationTask& task) {
   const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   scaled.diagonal().array() += 1e-9;
-  return location->with_parameters(scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * right), {});
+  return location->with_parameters(scale.asDiagonal() * PivotedCholesky(scaled).solve(scale.asDiagonal() * right), {});
 }
 
 ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
@@ -355,7 +355,7 @@ ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt
   fit.turn = Matrix6Xd::Zero(6, at(columns));
   Matrix6d normal = Matrix6d::Zero();
   for (const Matrix6d& ad : carried) normal += ad.transpose() * metric * ad;
-  const Eigen::LDLT<Matrix6d> solver(normal);
+  const PivotedCholesky solver(normal);
   // By turns: a column of C given A's, the mean of A given C's; both are exact, the sum shrinks to the least squares.
   for (int round = 0; round < 100; ++round) {
     const Matrix6Xd before = fit.turn;

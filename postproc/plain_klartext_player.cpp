@@ -14,7 +14,7 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 /// A Klartext block as its words by name: X, IY, DR (its sign), M codes in a list. Words are set apart by blanks.
 struct KlartextWords {
@@ -64,7 +64,7 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 class PlainKlartextPlayer : public PlainPlayer {
  public:
   explicit PlainKlartextPlayer(const ScanSettings& settings) : settings_(settings), tcp_(settings.tcp) {
-    at_.fill(kUnknown);
+    at_.fill(kNotKnown);
     shortest_ = settings.control.turn_path == "shortest";
     if (const auto found = settings.work_offsets_mm.find("G54"); found != settings.work_offsets_mm.end())
       offset_ = found->second;
@@ -89,7 +89,7 @@ class PlainKlartextPlayer : public PlainPlayer {
     if (first == "L" || first == "LN" || first == "C" || first == "CR" || first == "CT" || first == "CP")
       move = moved(w, first);
     for (const int m : w.m) {
-      if (m == 140) at_[0] = at_[1] = at_[2] = kUnknown;
+      if (m == 140) at_[0] = at_[1] = at_[2] = kNotKnown;
       if (m == 2 || m == 30) ended_ = true;
     }
     return move;
@@ -97,7 +97,7 @@ class PlainKlartextPlayer : public PlainPlayer {
 
  private:
   void before(int m) {
-    if (m == 6) at_.fill(kUnknown);
+    if (m == 6) at_.fill(kNotKnown);
     if (m == 94) at_[kTurn] -= 360 * std::floor(at_[kTurn] / 360);
     if (m == 126 || m == 127) shortest_ = m == 126;
     if (m == 128 || m == 129) {
@@ -112,13 +112,13 @@ class PlainKlartextPlayer : public PlainPlayer {
     tip_frame_.reset();
     if (on && settings_.control.tcp_frame == "start")
       tip_frame_ = settings_.chain->r_from_w({Angle::degrees(at_[kTilt]), Angle::degrees(at_[kTurn])}).inverse();
-    at_[0] = at_[1] = at_[2] = kUnknown;
+    at_[0] = at_[1] = at_[2] = kNotKnown;
   }
 
   void call_tool(const KlartextWords& w) {
     for (std::size_t i = 2; i < w.word.size() && i < 3; ++i)
       if (std::isdigit(static_cast<unsigned char>(w.word[i][0])) || w.word[i][0] == '"' || w.word[i][0] == 'Q')
-        at_.fill(kUnknown);
+        at_.fill(kNotKnown);
     if (w.says("X")) plane_ = {1, 2, 0};
     if (w.says("Y")) plane_ = {2, 0, 1};
     if (w.says("Z")) plane_ = {0, 1, 2};
@@ -154,7 +154,7 @@ class PlainKlartextPlayer : public PlainPlayer {
   void plane(const KlartextWords& w) {
     leave_plane();
     if (w.says("RESET")) {
-      if (!w.says("STAY")) at_[kTilt] = at_[kTurn] = kUnknown;
+      if (!w.says("STAY")) at_[kTilt] = at_[kTurn] = kNotKnown;
       return;
     }
     const auto turn = [](double degrees, int about) {
@@ -167,7 +167,7 @@ class PlainKlartextPlayer : public PlainPlayer {
       plane_frame_->translation()[static_cast<Eigen::Index>(i)] = offset_[i] + shift_[i];
     outside_ = shift_;
     shift_[0] = shift_[1] = shift_[2] = 0;
-    at_[0] = at_[1] = at_[2] = kUnknown;
+    at_[0] = at_[1] = at_[2] = kNotKnown;
     sense_ = w.holds("SEQ") ? w.of("SEQ") : w.of("SYM");
     if (!w.says("STAY")) across_plane();
   }
@@ -176,13 +176,13 @@ class PlainKlartextPlayer : public PlainPlayer {
     const Vector3d axis = plane_frame_->linear().col(2);
     const auto [tilt, turn] = descended_to_axis(settings_, axis, sense_ != 0 ? 100 * sense_ : at_[kTilt], at_[kTurn]);
     at_[kTilt] = tilt;
-    at_[kTurn] = std::abs(axis.z()) > 1 - 1e-14 ? kUnknown : turn;
+    at_[kTurn] = std::abs(axis.z()) > 1 - 1e-14 ? kNotKnown : turn;
   }
 
   void leave_plane() {
     if (!plane_frame_) return;
     plane_frame_.reset();
-    for (std::size_t i = 0; i < 3; ++i) shift_[i] = outside_[i], at_[i] = kUnknown;
+    for (std::size_t i = 0; i < 3; ++i) shift_[i] = outside_[i], at_[i] = kNotKnown;
   }
 
   std::optional<PlayedMove> moved(const KlartextWords& w, const std::string& first) {
@@ -200,14 +200,14 @@ class PlainKlartextPlayer : public PlainPlayer {
       double place = w.of(name) * unit + zero(i);
       if (i == kTurn && shortest_ && settings_.modulo_turn && !std::isnan(at_[i]))
         place += 360 * std::round((at_[i] - place) / 360);
-      at_[i] = machine ? kUnknown : w.holds("I" + name) ? at_[i] + w.of("I" + name) * unit : place;
+      at_[i] = machine ? kNotKnown : w.holds("I" + name) ? at_[i] + w.of("I" + name) * unit : place;
     }
     if (asked) {
       across_plane();
       return std::nullopt;
     }
     if (machine) {
-      if (!any) at_.fill(kUnknown);
+      if (!any) at_.fill(kNotKnown);
       return std::nullopt;
     }
     if (w.holds("TX")) {

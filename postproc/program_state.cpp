@@ -13,7 +13,6 @@ using Eigen::Vector3d;
 constexpr int kFinestDecimals = 6;  // of a corrected word, however many the program shows
 constexpr int kAngleDecimals = 6;   // where the angles themselves are not written
 constexpr double kRadiusSlack_mm = 0.01;
-constexpr double kTurn_rad = 2 * std::numbers::pi;
 constexpr double kSameAngle_deg = 1e-3;
 
 double turn_apart(double a_deg, double b_deg) { return std::abs(std::remainder(a_deg - b_deg, 360)); }

@@ -2,13 +2,13 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "compensation/controllers/controllers.h"
 #include "compensation/grid_table.h"
 #include "compensation/number_text.h"
 #include "compensation/projection.h"
 #include "error.h"
+#include "units/angle.h"
 
 // Aerotech A3200 and Automation1: 2-D calibration files (.cal). Tables are independent and additive, bilinear, ends
 // held; positions and corrections follow the encoder's sense.
@@ -16,7 +16,6 @@
 namespace trunnion {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kDecimals = 4;               // of thousandths: 0.1 nm, 1e-7 deg
 constexpr double kWorthwhile_mm2 = 1e-12;  // a nanometre
 constexpr const char* kFile = "trunnion.cal";
@@ -92,7 +91,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
                     std::string(1, a) + "C",
                     turn.nodes(),
                     tilt.nodes(),
-                    {rows_of_turn(fit.tilt_rad / kDegree), rows_of_turn(fit.turn_rad / kDegree)}});
+                    {rows_of_turn(fit.tilt_rad / kDegree_rad), rows_of_turn(fit.turn_rad / kDegree_rad)}});
   // Lever arms: in proportion to X, Y, Z two rows say it exactly; what a linear axis does by itself asks for more.
   const std::vector<LinearPart> own = linear_parts(task, 10.0 / emission.refine);
   const Range<Length> strokes[3] = {task.volume.x, task.volume.y, task.volume.z};
@@ -312,7 +311,7 @@ class Calibration : public PlayedCompensation {
       }
     }
     const auto of = [&](char axis) { return sum.contains(axis) ? sum.at(axis) : 0.0; };
-    return {{of('X'), of('Y'), of('Z')}, of(a_) * kDegree, of('C') * kDegree};
+    return {{of('X'), of('Y'), of('Z')}, of(a_) * kDegree_rad, of('C') * kDegree_rad};
   }
 
  private:

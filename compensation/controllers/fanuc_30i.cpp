@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "compensation/controllers/controllers.h"
 #include "compensation/grid_table.h"
@@ -10,6 +9,7 @@
 #include "compensation/projection.h"
 #include "error.h"
 #include "model/effects/location_errors.h"
+#include "units/angle.h"
 
 // FANUC 30i: stored pitch errors of A and C, as increments from point to point, and the places of the two table axes in
 // the parameters of tool centre point control.
@@ -17,7 +17,6 @@
 namespace trunnion {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kPlaceDecimals = 4;
 constexpr const char* kParameterFile = "PARAM.TXT";
 constexpr const char* kG10File = "G10.NC";
@@ -133,7 +132,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   const auto values = [](const Eigen::MatrixXd& projector, const std::vector<double>& sampled) {
     const Eigen::VectorXd v =
         projector * Eigen::Map<const Eigen::VectorXd>(sampled.data(), static_cast<Eigen::Index>(sampled.size())) /
-        kDegree;
+        kDegree_rad;
     return std::vector<double>(v.begin(), v.end());
   };
   std::vector<double> held_tilt = fit.tilt_rad;
@@ -145,8 +144,8 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     tilt_at.push_back(std::min(tilt_nodes.back(), tilt_at.back() + interval / 4));
     held_tilt.push_back(held_tilt.back());
   }
-  const double tilt_reversal = reversal_rad(task, task.machine.tilt_letter()) / kDegree,
-               turn_reversal = reversal_rad(task, 'C') / kDegree;
+  const double tilt_reversal = reversal_rad(task, task.machine.tilt_letter()) / kDegree_rad,
+               turn_reversal = reversal_rad(task, 'C') / kDegree_rad;
 
   std::vector<Entry> entries;
   append_pitch(task, entries, false, interval, tilt_nodes,
@@ -297,7 +296,7 @@ class Fanuc : public PlayedCompensation {
     }
     double passed = interpolated(nodes, totals, Boundary::hold, degrees) - at_reference;
     if (sense < 0) passed += pitch.reversed;
-    return (adds_ ? 1 : -1) * passed * pitch.magnification * unit_ * kDegree;
+    return (adds_ ? 1 : -1) * passed * pitch.magnification * unit_ * kDegree_rad;
   }
 
   KinematicChain chain_, believed_{chain_};

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include "compensation/controllers/controllers.h"
@@ -11,6 +10,7 @@
 #include "compensation/projection.h"
 #include "error.h"
 #include "geometric_errors/symbol.h"
+#include "units/angle.h"
 
 // HEIDENHAIN TNC 640 and iTNC 530: axis error tables (.COM, assigned by a .CMA) of A and C, and KinematicsComp rows
 // that insert the six errors of each rotary axis before its motion. Columns C1 … C6 carry X, Y, Z, A, B, C in this
@@ -19,7 +19,6 @@
 namespace trunnion {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::size_t kMostEntries = 256;
 constexpr std::size_t kMostInserted = 95;  // 100 less the MachAxis lines of five axes
 constexpr std::size_t kNumberWidth = 5, kColumnWidth = 14;
@@ -64,8 +63,8 @@ std::string com_text(const CompensationTask& task, const Axis& axis, const std::
     const auto at = static_cast<Eigen::Index>(n);
     const auto cell = [&](double value) { return padded(signed_text(as_error * value, decimals, emission), width); };
     text += padded(std::to_string(n), kNumberWidth) + padded(signed_text(nodes[n], 4, emission), width) +
-            padded("", width) + cell(own[at] / kDegree);
-    for (Eigen::Index k = 0; k < 6; ++k) text += cell(errors(k, at) / (k < 3 ? 1 : kDegree));
+            padded("", width) + cell(own[at] / kDegree_rad);
+    for (Eigen::Index k = 0; k < 6; ++k) text += cell(errors(k, at) / (k < 3 ? 1 : kDegree_rad));
     text += "\n";
   }
   return text + "[END]\n";
@@ -224,14 +223,14 @@ class Tnc : public PlayedCompensation {
       for (const std::size_t k : inserted_.at(axis->letter)) {
         const double value = (takes_away_ ? 1 : -1) * column("C" + std::to_string(k + 1));
         if (k < 3) error.translation_mm[static_cast<Eigen::Index>(k)] = value;
-        if (k >= 3) error.rotation_rad[static_cast<Eigen::Index>(k - 3)] = value * kDegree;
+        if (k >= 3) error.rotation_rad[static_cast<Eigen::Index>(k - 3)] = value * kDegree_rad;
       }
       const Eigen::Isometry3d turned(Eigen::AngleAxisd((tilting ? s.at.a : s.at.c).in_radians(), axis->direction));
       const Eigen::Translation3d to(axis->origin_mm), from(-axis->origin_mm);
       real = real * to * transform(error) * turned * from;
       nominal = nominal * to * turned * from;
       (tilting ? correction.tilt_rad : correction.turn_rad) =
-          (takes_away_ ? -1 : 1) * column(std::string(1, axis->letter)) * kDegree;
+          (takes_away_ ? -1 : 1) * column(std::string(1, axis->letter)) * kDegree_rad;
     }
     correction.linear_mm = real * nominal.inverse() * s.point_r_mm - s.point_r_mm;
     return correction;
@@ -313,7 +312,7 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
   const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
   const auto peak = [&](const Axis& axis, const std::vector<double>& nodes, bool own) {
     const auto n = static_cast<Eigen::Index>(nodes.size());
-    const Eigen::VectorXd at_one = as_error * 0.005 * kDegree * Eigen::VectorXd::Unit(n, 1);
+    const Eigen::VectorXd at_one = as_error * 0.005 * kDegree_rad * Eigen::VectorXd::Unit(n, 1);
     Matrix6Xd errors = Matrix6Xd::Zero(6, n);
     if (!own) errors.row(5) = at_one.transpose();
     return com_text(task, axis, nodes, own ? at_one : Eigen::VectorXd::Zero(n).eval(), errors, {});

@@ -1,6 +1,5 @@
 #include "compensation/controllers/linuxcnc.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdio>
 
@@ -8,6 +7,7 @@
 #include "compensation/number_text.h"
 #include "compensation/projection.h"
 #include "error.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -29,7 +29,7 @@ Eigen::MatrixXd spline_fit(const std::vector<double>& points, Eigen::Index cells
                                u * u * u / 6};
     for (Eigen::Index k = 0; k < 4; ++k) basis(static_cast<Eigen::Index>(s), (cell + k) % count) += weights[k];
   }
-  return (basis.transpose() * basis).ldlt().solve(basis.transpose());
+  return PivotedCholesky(basis.transpose() * basis).solve(basis.transpose());
 }
 
 /// `per_cell` samples a cell, both ends among them.

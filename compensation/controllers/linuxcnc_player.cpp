@@ -1,18 +1,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "compensation/controllers/linuxcnc.h"
 #include "error.h"
+#include "units/angle.h"
 
 // LinuxCNC with the component loaded, told anew from what a trunnion does: a twin in other words, so that a slip in
 // either shows.
 
 namespace trunnion {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Weight of the cubic B-spline centred at knot 0 (spacing 1), by its distance (de Boor 1978).
 double spline_at(double distance) {
@@ -35,27 +33,29 @@ class Kinematics : public PlayedCompensation {
     const Eigen::Vector3d axis = nominal.linear().transpose() * Eigen::Vector3d::UnitZ();
 
     double tilt_change = 0, turn_change = 0, wish = 0;  // degrees, degrees, rad
-    const double held_back = std::pow(std::sin(kDegree), 2);
+    const double held_back = std::pow(std::sin(kDegree_rad), 2);
     for (int step = 0; step < 4; ++step) {
       const Eigen::Isometry3d there = table(tilt + tilt_change, turn + turn_change);
       const Eigen::Isometry3d real = error(tilt + tilt_change, turn + turn_change, there * work) * there;
       const Eigen::Vector3d seen = real.linear() * axis;  // should be +Z
       const double lever = (there.linear().transpose() * Eigen::Vector3d::UnitZ()).head<2>().norm() *
-                           (std::sin(data_.tilt_sense * (tilt + tilt_change) * kDegree) < 0 ? -1 : 1);
+                           (std::sin(data_.tilt_sense * (tilt + tilt_change) * kDegree_rad) < 0 ? -1 : 1);
       wish += (seen.x() * lever - held_back * wish) / (lever * lever + held_back);
-      const double cap = data_.largest_turn_change_deg * kDegree;
+      const double cap = data_.largest_turn_change_deg * kDegree_rad;
       const double allowed = cap > 0 ? wish / std::pow(1 + std::pow(wish / cap, 8), 0.125) : 0;
-      turn_change = data_.turn_sense * allowed / kDegree;
-      tilt_change += data_.tilt_sense * seen.y() / kDegree;
+      turn_change = data_.turn_sense * allowed / kDegree_rad;
+      tilt_change += data_.tilt_sense * seen.y() / kDegree_rad;
     }
     const Eigen::Vector3d target = table(tilt + tilt_change, turn + turn_change) * work;
     Eigen::Vector3d tip = target;
     for (int step = 0; step < 3; ++step) tip = error(tilt + tilt_change, turn + turn_change, tip) * target;
 
-    AxisCorrection correction{tip - s.point_r_mm, tilt_change * kDegree, turn_change * kDegree};
+    AxisCorrection correction{tip - s.point_r_mm, tilt_change * kDegree_rad, turn_change * kDegree_rad};
     // Joint tables act on what the kinematics ask of the joints.
-    if (tilt_table_) correction.tilt_rad += kDegree * joint_correction(*tilt_table_, tilt + tilt_change, s.tilt_sense);
-    if (turn_table_) correction.turn_rad += kDegree * joint_correction(*turn_table_, turn + turn_change, s.turn_sense);
+    if (tilt_table_)
+      correction.tilt_rad += kDegree_rad * joint_correction(*tilt_table_, tilt + tilt_change, s.tilt_sense);
+    if (turn_table_)
+      correction.turn_rad += kDegree_rad * joint_correction(*turn_table_, turn + turn_change, s.turn_sense);
     return correction;
   }
 
@@ -64,9 +64,9 @@ class Kinematics : public PlayedCompensation {
     const auto about = [](Eigen::Vector3d line, double angle, const Eigen::Vector3d& direction) {
       return Eigen::Translation3d(line) * Eigen::AngleAxisd(angle, direction) * Eigen::Translation3d(-line);
     };
-    return about({0, data_.tilt_axis_mm[0], data_.tilt_axis_mm[1]}, data_.tilt_sense * tilt_deg * kDegree,
+    return about({0, data_.tilt_axis_mm[0], data_.tilt_axis_mm[1]}, data_.tilt_sense * tilt_deg * kDegree_rad,
                  Eigen::Vector3d::UnitX()) *
-           about({data_.turn_axis_mm[0], data_.turn_axis_mm[1], 0}, data_.turn_sense * turn_deg * kDegree,
+           about({data_.turn_axis_mm[0], data_.turn_axis_mm[1], 0}, data_.turn_sense * turn_deg * kDegree_rad,
                  Eigen::Vector3d::UnitZ());
   }
 
@@ -112,8 +112,8 @@ class JointTables : public PlayedCompensation {
  public:
   JointTables(JointTable tilt, JointTable turn) : tilt_(std::move(tilt)), turn_(std::move(turn)) {}
   AxisCorrection at(const Situation& s) const override {
-    return {Eigen::Vector3d::Zero(), kDegree * joint_correction(tilt_, s.at.a.in_degrees(), s.tilt_sense),
-            kDegree * joint_correction(turn_, s.at.c.in_degrees(), s.turn_sense)};
+    return {Eigen::Vector3d::Zero(), kDegree_rad * joint_correction(tilt_, s.at.a.in_degrees(), s.tilt_sense),
+            kDegree_rad * joint_correction(turn_, s.at.c.in_degrees(), s.turn_sense)};
   }
 
  private:

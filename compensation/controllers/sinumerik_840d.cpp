@@ -1,7 +1,5 @@
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "compensation/controllers/controllers.h"
@@ -10,6 +8,8 @@
 #include "compensation/number_text.h"
 #include "compensation/projection.h"
 #include "error.h"
+#include "linear_algebra/factors.h"
+#include "units/angle.h"
 
 // SINUMERIK 840D sl and ONE: which functions and products of functions are worth a table of the control
 // (sinumerik_tables.h), beside the vectors of its transformation (sinumerik_trafo5.h).
@@ -23,7 +23,6 @@ using sinumerik::Curve;
 using sinumerik::header;
 using sinumerik::Term;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr Eigen::Index kMostProducts = 5;  // of one output over (A, C)
 
 /// All that could be written, each term with what it brings.
@@ -50,13 +49,13 @@ std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& 
     s.at.a = 0.5 * (task.volume.a.low + task.volume.a.high);
     Vector6d twist = Vector6d::Zero();
     twist.tail<3>() = output == 'C' ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
-    return kDegree * kDegree * twist.dot(metric * twist);
+    return kDegree_rad * kDegree_rad * twist.dot(metric * twist);
   };
   const std::pair<char, Eigen::MatrixXd> outputs[] = {{'X', fit.shift_mm[0]},
                                                       {'Y', fit.shift_mm[1]},
                                                       {'Z', fit.shift_mm[2]},
-                                                      {a, fit.tilt_rad / kDegree},
-                                                      {'C', fit.turn_rad / kDegree}};
+                                                      {a, fit.tilt_rad / kDegree_rad},
+                                                      {'C', fit.turn_rad / kDegree_rad}};
   for (const auto& [output, whole] : outputs) {
     const double weight = weight_of(output);
     const Eigen::VectorXd f = whole.rowwise().mean();
@@ -75,13 +74,13 @@ std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& 
     } else {
       add(curve(false, g.transpose()), g.squaredNorm() / static_cast<double>(g.size()));
     }
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    for (Eigen::Index r = 0; r < std::min(kMostProducts, svd.singularValues().size()); ++r) {
-      const double sigma = svd.singularValues()[r];
-      const double largest = svd.matrixV().col(r).cwiseAbs().maxCoeff();
+    const SingularValues svd = singular_values(rest);
+    for (Eigen::Index r = 0; r < std::min(kMostProducts, svd.s.size()); ++r) {
+      const double sigma = svd.s[r];
+      const double largest = svd.v.col(r).cwiseAbs().maxCoeff();
       if (!(sigma > 1e-12) || !(largest > 0)) break;
-      add(curve(true, sigma * largest * svd.matrixU().col(r)), sigma * sigma / static_cast<double>(rest.size()),
-          curve(false, svd.matrixV().col(r) / largest));
+      add(curve(true, sigma * largest * svd.u.col(r)), sigma * sigma / static_cast<double>(rest.size()),
+          curve(false, svd.v.col(r) / largest));
     }
   }
   const Range<Length> strokes[3] = {task.volume.x, task.volume.y, task.volume.z};
@@ -115,7 +114,7 @@ std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& 
     }
   // Reversal: a table for one direction of travel only.
   for (const char axis : {a, 'C'}) {
-    const double reversal = reversal_rad(task, axis) / kDegree;
+    const double reversal = reversal_rad(task, axis) / kDegree_rad;
     if (std::abs(reversal) < 1e-10) continue;
     const Range<Angle> range = axis == 'C' ? Range<Angle>{Angle(), kFullTurn} : task.volume.a;
     terms.push_back({axis,

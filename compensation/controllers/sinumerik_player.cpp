@@ -1,6 +1,5 @@
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 
 #include "compensation/controllers/sinumerik_assignments.h"
@@ -9,13 +8,12 @@
 #include "compensation/grid_table.h"
 #include "compensation/number_text.h"
 #include "error.h"
+#include "units/angle.h"
 
 // What a SINUMERIK does with the files that it was given: written from its manuals, not from the emitter.
 
 namespace trunnion::sinumerik {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// One table as the control holds it.
 struct HeldTable {
@@ -132,7 +130,7 @@ class Sinumerik : public PlayedCompensation {
     // The transformation goes where it believes the point of the workpiece to be.
     if (believed_)
       linear += believed_->r_from_w(s.at) * (nominal_->r_from_w(s.at).inverse() * s.point_r_mm) - s.point_r_mm;
-    return {linear, of(tilt_) * kDegree, of('C') * kDegree};
+    return {linear, of(tilt_) * kDegree_rad, of('C') * kDegree_rad};
   }
 
  private:

@@ -1,12 +1,12 @@
 #include "conventions/machine_checks.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "geometric_errors/rotary_errors.h"
 #include "kinematics/kinematic_chain.h"
+#include "linear_algebra/factors.h"
 #include "model/effects/location_errors.h"
 #include "model/model.h"
 #include "units/number_text.h"
@@ -185,17 +185,12 @@ Check gauge(const Machine& machine, const KinematicChain& chain) {
   }
   // Freedoms are told from what second order makes of a constant.
   const auto left = [](const Eigen::MatrixXd& of, const Eigen::MatrixXd& by) {
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(kSecondOrder);
-    solver.compute(by);
-    return Eigen::MatrixXd(of - by * solver.solve(of)).cwiseAbs().maxCoeff();
+    return Eigen::MatrixXd(of - by * LeastSquares(by, kSecondOrder).solve(of)).cwiseAbs().maxCoeff();
   };
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> of_eight(eight);
-  of_eight.setThreshold(kSecondOrder);
   // Where one axis carries the tool, its constants move the tool against the set-up, which no location error does.
   const bool same_side = chain.rotary_joints()[0].side == chain.rotary_joints()[1].side;
   const double beyond = same_side ? std::max(left(eight, twelve), left(twelve, eight)) : 0.0;
-  const auto rank = static_cast<int>(of_eight.rank());
+  const auto rank = static_cast<int>(LeastSquares(eight, kSecondOrder).rank());
   Check check{.id = "law.gauge", .outcome = Outcome::passed, .found = {}, .advice = {}};
   check.found = "constants of the twelve errors leave nothing at the reference pose";
   if (same_side)

@@ -1,11 +1,11 @@
 #include "conventions/model_checks.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "error.h"
 #include "identification/linear_problem.h"
+#include "linear_algebra/factors.h"
 #include "model/effects/rotary_error_map.h"
 #include "units/number_text.h"
 
@@ -96,7 +96,7 @@ SignOfErrors sign_of_errors(const ObservationSet& observations, const Model& mod
     predicted[k] = used[static_cast<std::size_t>(k)].second;
     for (const auto& [unknown, coefficient] : problem.terms_of(r)) zeros(k, unknown) = coefficient / r.sigma;
   }
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> of_zeros(zeros);
+  const LeastSquares of_zeros(zeros);
   const auto without = [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(v - zeros * of_zeros.solve(v)); };
   const Eigen::VectorXd x = without(predicted), y = without(value);
   const double square = x.squaredNorm();

@@ -1,10 +1,11 @@
 #include "conventions/nominal_fit.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
+
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -65,7 +66,7 @@ NominalFit fit(const ObservationSet& set, const std::vector<std::size_t>& rows, 
     design.block<3, 3>(3 * k, spot.at(o.point)) = turned;
     places.segment<3>(3 * k) = place;
   }
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(design);
+  const LeastSquares solver(design);
   const Eigen::VectorXd x = solver.solve(places);
   NominalFit result{.reading = reading,
                     .rms_mm = std::sqrt((places - design * x).squaredNorm() / static_cast<double>(n)),

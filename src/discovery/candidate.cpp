@@ -1,10 +1,10 @@
 #include "discovery/candidate.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "identification/distributions.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -117,7 +117,7 @@ VisibleSpace visible_space(const Eigen::MatrixXd& gram_z, const Eigen::MatrixXd&
   const Eigen::VectorXd unit =
       gram_z.diagonal().unaryExpr([](double square) { return square > 0 ? 1 / std::sqrt(square) : 0.0; });
   const Eigen::MatrixXd gram = unit.asDiagonal() * gram_pz * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const SymmetricEigen eigen(gram);
   Eigen::Index first = 0;  // eigenvalues ascend
   while (first < gram.rows() && eigen.eigenvalues()[first] <= kVisible * kVisible) ++first;
   const Eigen::Index kept = gram.rows() - first;

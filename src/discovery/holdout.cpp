@@ -1,8 +1,9 @@
 #include "discovery/holdout.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 
@@ -70,7 +71,7 @@ HoldoutError holdout_error(const ProjectionInput& input, const SmoothDesign& des
     SmoothProjection::Prediction p = SmoothProjection(rest, design).predict(rows);
     HoldoutError::Part part{std::move(p.error), Eigen::MatrixXd::Identity(p.factor.rows(), p.factor.rows())};
     part.covariance += p.factor * p.factor.transpose();
-    const Eigen::VectorXd innovation = part.covariance.llt().matrixL().solve(part.error);
+    const Eigen::VectorXd innovation = Cholesky(part.covariance).half_solve(part.error);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       const Reading& reading = problem.readings[static_cast<std::size_t>(rows[k])];
@@ -91,13 +92,13 @@ Fall fall(const HoldoutError& before, const HoldoutError& after) {
   double variance = 0, shift = 0;
   for (std::size_t k = 0; k < before.parts.size(); ++k) {
     const HoldoutError::Part &p0 = before.parts[k], &p1 = after.parts[k];
-    const Eigen::LLT<Eigen::MatrixXd> root0(p0.covariance), root1(p1.covariance);
-    const auto log_density = [](const Eigen::LLT<Eigen::MatrixXd>& root, const Eigen::VectorXd& e) {
-      return -0.5 * root.matrixL().solve(e).squaredNorm() - root.matrixLLT().diagonal().array().log().sum();
+    const Cholesky root0(p0.covariance), root1(p1.covariance);
+    const auto log_density = [](const Cholesky& root, const Eigen::VectorXd& e) {
+      return -0.5 * root.half_solve(e).squaredNorm() - root.half_log_determinant();
     };
     fall.gain += log_density(root1, p1.error) - log_density(root0, p0.error);
-    const Eigen::MatrixXd mixed = root1.matrixL().solve(Eigen::MatrixXd(root0.matrixL()));  // L1^-1 L0
-    const Eigen::VectorXd by = root1.matrixL().solve(p0.error - p1.error);
+    const Eigen::MatrixXd mixed = root1.half_solve(root0.lower());  // L1^-1 L0
+    const Eigen::VectorXd by = root1.half_solve(p0.error - p1.error);
     Eigen::MatrixXd curved = -mixed.transpose() * mixed;
     curved.diagonal().array() += 1;
     variance += 0.5 * curved.squaredNorm() + (mixed.transpose() * by).squaredNorm();

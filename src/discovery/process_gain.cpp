@@ -1,7 +1,8 @@
 #include "discovery/process_gain.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 
@@ -10,7 +11,7 @@ ProcessGain best_process_gain(const Projection& base, const Eigen::MatrixXd& z) 
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(z.cols(), z.cols());
   gram.selfadjointView<Eigen::Lower>().rankUpdate(used.transpose());
   gram.selfadjointView<Eigen::Lower>().rankUpdate(reduced.transpose(), -1);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const SymmetricEigen eigen(gram);
   const Eigen::ArrayXd g = eigen.eigenvalues().array().max(0);
   const Eigen::ArrayXd b = (eigen.eigenvectors().transpose() * (z.transpose() * base.residual())).array();
   const Eigen::ArrayXd b2 = b.square();

@@ -1,7 +1,6 @@
 #include "discovery/projection.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -16,9 +15,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& m, const Eigen::VectorXd& nor
   if (kept.empty() || m.rows() == 0) return Eigen::MatrixXd(m.rows(), 0);
   // Columns to unit length first: um and urad differ by their levers only.
   const Eigen::MatrixXd scaled = m(Eigen::all, kept) * left(kept).cwiseInverse().asDiagonal();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-  qr.setThreshold(1e-9);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(m.rows(), qr.rank());
+  return orthonormal_columns(scaled, 1e-9);
 }
 
 }  // namespace
@@ -112,7 +109,7 @@ SmoothProjection::SmoothProjection(const ProjectionInput& input, const SmoothDes
     if (normal(k, k) <= 0) normal(k, k) = 1;
     if (is_free) normal(k, k) += std::min(ridge, 1e-9 * normal(k, k));
   }
-  root_ = normal.selfadjointView<Eigen::Lower>().llt().matrixL();
+  root_ = Cholesky(normal).lower();
   // Location errors are free as well, by their wide prior: eight columns.
   freedom_ = mask_.sum() - free - 8;
   set_readings(input.y);

@@ -1,7 +1,5 @@
 #include "discovery/screen.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 #include <random>
 
 #include "identification/distributions.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 
@@ -61,9 +60,8 @@ std::vector<double> Screen::correlations(const View& view, const Eigen::MatrixXd
     const Eigen::MatrixXd c = block(cross, k) * view.spaces[k].whitening;
     double largest = 0;
     if (c.size() > 0)
-      largest = c.rows() <= c.cols()
-                    ? Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(c * c.transpose()).eigenvalues().maxCoeff()
-                    : Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(c.transpose() * c).eigenvalues().maxCoeff();
+      largest = c.rows() <= c.cols() ? SymmetricEigen(c * c.transpose()).eigenvalues().maxCoeff()
+                                     : SymmetricEigen(c.transpose() * c).eigenvalues().maxCoeff();
     found.push_back(std::sqrt(std::clamp(largest, 0.0, 1.0)));
   }
   return found;

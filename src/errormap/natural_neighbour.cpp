@@ -8,7 +8,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
@@ -26,8 +27,6 @@ struct TakeHandle {
     return {p.first, p.second};
   }
 };
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 }  // namespace
 
@@ -88,7 +87,7 @@ NaturalNeighbour::NaturalNeighbour(const std::vector<Angle>& a_stations, const s
     : triangulation_(std::make_unique<Triangulation>()) {
   Triangulation& t = *triangulation_;
   for (const Angle station : c_stations) t.c.push_back(station.in_radians());
-  double widest = t.c.front() + kTurn - t.c.back();
+  double widest = t.c.front() + kTurn_rad - t.c.back();
   for (std::size_t j = 1; j < t.c.size(); ++j) widest = std::max(widest, t.c[j] - t.c[j - 1]);
   std::vector<double> a;
   for (const Angle station : a_stations) a.push_back(station.in_radians());
@@ -109,7 +108,7 @@ NaturalNeighbour::NaturalNeighbour(const std::vector<Angle>& a_stations, const s
   for (std::size_t row = 0; row < t.rows.size(); ++row)
     for (std::size_t column = 0; column < t.c.size(); ++column)
       for (const int turn : {-1, 0, 1}) {
-        const Delaunay::Vertex_handle vertex = t.delaunay.insert(Point(t.rows[row].a, t.c[column] + turn * kTurn));
+        const Delaunay::Vertex_handle vertex = t.delaunay.insert(Point(t.rows[row].a, t.c[column] + turn * kTurn_rad));
         vertex->info() = t.sites.size();
         t.sites.push_back({row, column});
       }
@@ -135,7 +134,7 @@ Eigen::VectorXd NaturalNeighbour::weights(Angle a, Angle c) const {
   const Triangulation& t = *triangulation_;
   Eigen::VectorXd linear = Eigen::VectorXd::Zero(t.nodes()), sloped = linear;
   const double x = std::clamp(a.in_radians(), t.a_low, t.a_high);
-  const double y = c.in_radians() - kTurn * std::floor((c.in_radians() - t.c.front()) / kTurn);
+  const double y = c.in_radians() - kTurn_rad * std::floor((c.in_radians() - t.c.front()) / kTurn_rad);
   Coordinates around;
   const auto found =
       CGAL::natural_neighbor_coordinates_2(t.delaunay, Point(x, y), std::back_inserter(around), TakeHandle());

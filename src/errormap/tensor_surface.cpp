@@ -6,6 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "units/angle.h"
+
 namespace trunnion {
 namespace {
 
@@ -133,12 +135,11 @@ StationWeights periodic_linear_weights(const std::vector<Angle>& stations) {
   const std::vector<double> x = radians(stations);
   const auto n = static_cast<Eigen::Index>(x.size());
   return [x, n](double at) {
-    constexpr double kTurn = 2 * std::numbers::pi;
     Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
-    const double turned = at - kTurn * std::floor((at - x[0]) / kTurn);
+    const double turned = at - kTurn_rad * std::floor((at - x[0]) / kTurn_rad);
     const auto upper = std::upper_bound(x.begin(), x.end(), turned);
     const auto i = static_cast<std::size_t>(upper - x.begin() - 1);
-    const double right = i + 1 < x.size() ? x[i + 1] : x[0] + kTurn;
+    const double right = i + 1 < x.size() ? x[i + 1] : x[0] + kTurn_rad;
     const double v = (turned - x[i]) / (right - x[i]);
     w[static_cast<Eigen::Index>(i)] += 1 - v;
     w[static_cast<Eigen::Index>((i + 1) % x.size())] += v;

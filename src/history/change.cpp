@@ -1,7 +1,5 @@
 #include "history/change.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 
 #include "identification/distributions.h"
 #include "identification/whitening.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -52,12 +51,12 @@ class WhiteProblem {
       constexpr double kFloor = 1e-6;
       Eigen::MatrixXd spread = white * point.covariance * white.transpose();
       spread.diagonal().array() += kFloor;
-      precision_.push_back(spread.llt().solve(Eigen::MatrixXd::Identity(rank_, rank_)));
+      precision_.push_back(Cholesky(spread).inverse());
       sum_ += precision_.back();
       rhs_ += precision_.back() * y_.back();
       chi_square_ += y_.back().dot(precision_.back() * y_.back());
     }
-    factor_.compute(sum_);
+    factor_ = PivotedCholesky(sum_);
     chi_square_ -= rhs_.dot(factor_.solve(rhs_));
     for (const ChangeMode& mode : problem.modes) modes_.push_back(visible(white * mode.design));
   }
@@ -97,7 +96,7 @@ class WhiteProblem {
     }
     // Two shapes of one mode may be all but the same: a ridge far below any information keeps the factor.
     normal.diagonal() *= 1 + 1e-12;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
+    const PivotedCholesky factor(normal);
     Fit fit{.solution = factor.solve(rhs)};
     fit.gain = rhs.dot(fit.solution);
     fit.covariance = factor.solve(Eigen::MatrixXd::Identity(n, n));
@@ -115,7 +114,7 @@ class WhiteProblem {
   };
   static Visible visible(const Eigen::MatrixXd& design) {
     constexpr double kSeen = 1e-6;  // of the best seen, in standard uncertainties
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(design.transpose() * design);
+    const SymmetricEigen eigen(design.transpose() * design);
     const Eigen::Index n = design.cols();
     Eigen::Index first = 0;
     while (first < n && eigen.eigenvalues()[first] <= kSeen * kSeen * eigen.eigenvalues()[n - 1]) ++first;
@@ -154,7 +153,7 @@ class WhiteProblem {
   std::vector<Eigen::MatrixXd> precision_;
   Eigen::MatrixXd sum_;
   Eigen::VectorXd rhs_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  PivotedCholesky factor_;
   double chi_square_ = 0;
   std::vector<Visible> modes_;
   mutable std::map<std::pair<Shape, Shape>, Eigen::MatrixXd> products_;

@@ -1,6 +1,5 @@
 #include "identification/earlier_map.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "error.h"
 #include "identification/whitening.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -54,9 +54,9 @@ SmoothMap fitted_to_nodes(const RotaryErrorMap& map, const LinearProblem& proble
   const Eigen::VectorXd scale = prior_variances(problem, smooth.basis, prior).cwiseSqrt();
   const Eigen::MatrixXd x = white * design * scale.asDiagonal();  // coefficients in units of their prior
   const Eigen::VectorXd y = white * delta;
-  const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(x.transpose() * x + Eigen::MatrixXd::Identity(m, m)));
+  const Cholesky factor(x.transpose() * x + Eigen::MatrixXd::Identity(m, m));
   const Eigen::VectorXd solution = factor.solve(x.transpose() * y);
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(m, m));
+  const Eigen::MatrixXd inverse = factor.inverse();
   const double effective = (inverse * (x.transpose() * x)).trace();
   const double freedom = static_cast<double>(y.size()) - effective;
   if (freedom > 1) smooth.misfit = std::max(1.0, (y - x * solution).squaredNorm() / freedom);

@@ -1,11 +1,10 @@
 #include "identification/free_pose_fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "error.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -25,7 +24,7 @@ struct BlockInverse {
 
 BlockInverse invert(const Matrix6d& normal) {
   BlockInverse result;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(normal);
+  const SymmetricEigen eigen(normal);
   const double largest = eigen.eigenvalues()[5];
   double smallest = largest;
   for (int k = 0; k < 6; ++k) {
@@ -86,7 +85,7 @@ Blocks assemble(const LinearProblem& problem, const std::vector<bool>& used) {
     b.inverse[p] = invert(b.normal[p]);
     schur -= b.border[p].transpose() * b.inverse[p].inverse * b.border[p];
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(schur);
+  const SymmetricEigen eigen(schur);
   const double largest = unknowns > 0 ? std::max(eigen.eigenvalues()[unknowns - 1], b.corner.diagonal().maxCoeff()) : 0;
   b.schur_inverse = Eigen::MatrixXd::Zero(unknowns, unknowns);
   for (Eigen::Index k = 0; k < unknowns; ++k) {

@@ -1,11 +1,11 @@
 #include "identification/linear_problem.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 #include <unordered_map>
 
 #include "error.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -222,7 +222,7 @@ class Builder {
       normal += set_up_row(row) * set_up_row(row).transpose();
       ++count;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 7, 7>> eigen(normal / std::max(1.0, count));
+    const SymmetricEigen eigen(normal / std::max(1.0, count));
     for (Eigen::Index k = 6; k >= 0; --k) {
       const double square = eigen.eigenvalues()[k];
       if (square <= kShown * eigen.eigenvalues()[6]) break;

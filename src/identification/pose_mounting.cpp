@@ -1,18 +1,17 @@
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include "error.h"
 #include "identification/linear_problem.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
 
 /// The rotation nearest to m in the Frobenius norm.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  const SingularValues svd = singular_values(m);
+  const Eigen::Matrix3d u = svd.u, v = svd.v;
+  const Eigen::Vector3d signs(1, 1, (u * v.transpose()).determinant() < 0 ? -1 : 1);
+  return u * signs.asDiagonal() * v.transpose();
 }
 
 }  // namespace
@@ -38,7 +37,7 @@ PoseMounting fit_pose_mounting(const ObservationSet& observations, const Kinemat
   }
   if (count < 3)
     throw InputError(observations.files.front(), std::to_string(count) + " poses found, three or more are wanted");
-  const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(normal);
+  const SymmetricEigen eigen(normal);
   if (eigen.eigenvalues()[1] < 1e-6 * eigen.eigenvalues()[17])
     throw InputError(observations.files.front(), "the poses turn about one axis only; both rotary axes must move");
   const Eigen::Matrix<double, 18, 1> v = eigen.eigenvectors().col(0);

@@ -1,7 +1,5 @@
 #include "identification/smooth_fit.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "geometric_errors/rotary_errors.h"
 #include "identification/minimise.h"
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -148,19 +147,18 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
   // encoder's zero and a backlash differ by twelve orders of magnitude.
   for (Eigen::Index k = system.coefficients; k < system.size; ++k)
     joint(k, k) += joint(k, k) > 0 ? 1e-12 * joint(k, k) : 1;
-  const Eigen::LLT<Eigen::MatrixXd> factor(joint);
-  if (factor.info() != Eigen::Success) return e;
+  const Cholesky factor(joint);
+  if (!factor.definite()) return e;
   e.solution = factor.solve(rhs);
   if (wanted == Inverse::full) {
-    e.inverse = factor.solve(Eigen::MatrixXd::Identity(system.size, system.size));
+    e.inverse = factor.inverse();
     e.variance = e.inverse.diagonal();
   } else {
     // (L L')^-1 has the squared column norms of L^-1 on its diagonal.
-    Eigen::MatrixXd root = Eigen::MatrixXd::Identity(system.size, system.size);
-    factor.matrixL().solveInPlace(root);
+    const Eigen::MatrixXd root = factor.half_solve(Eigen::MatrixXd::Identity(system.size, system.size));
     e.variance = root.colwise().squaredNorm().transpose();
   }
-  value += factor.matrixLLT().diagonal().array().log().sum() - 0.5 * rhs.dot(e.solution);
+  value += factor.half_log_determinant() - 0.5 * rhs.dot(e.solution);
   e.negative_log = value;
   return e;
 }
@@ -279,7 +277,7 @@ SmoothFit without_unseen_constants(SmoothFit fit, const KinematicChain& chain) {
         const Eigen::MatrixXd b = per_unit.asDiagonal() * gauged_basis(chain, basis, s) * scale.asDiagonal();
         shown.selfadjointView<Eigen::Lower>().rankUpdate(b.transpose());
       }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shown);
+  const SymmetricEigen eigen(shown);
   const double least = kUnseen * eigen.eigenvalues().maxCoeff();
   Eigen::Index unseen = 0;
   while (unseen < m && eigen.eigenvalues()[unseen] < least) ++unseen;
@@ -329,9 +327,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     for (Eigen::Index k = 0; k < m; ++k) per_unit[k] = 1 / coefficient_scale(k);
     system.believed_mean = per_unit.cwiseProduct(options.belief->mean);
     system.believed_precision =
-        Eigen::MatrixXd(per_unit.asDiagonal() * options.belief->covariance * per_unit.asDiagonal())
-            .llt()
-            .solve(Eigen::MatrixXd::Identity(m, m));
+        Cholesky(per_unit.asDiagonal() * options.belief->covariance * per_unit.asDiagonal()).inverse();
   }
   RowWhitener whitener(problem, basis, options.extra_columns);
   const auto whiten = [&](Eigen::Index i) -> const Eigen::RowVectorXd& { return whitener.row(i); };

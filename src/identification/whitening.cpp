@@ -1,8 +1,8 @@
 #include "identification/whitening.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 
@@ -12,7 +12,7 @@ Eigen::MatrixXd whitening(const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd unit =
       covariance.diagonal().unaryExpr([](double variance) { return variance > 0 ? 1 / std::sqrt(variance) : 0.0; });
   if (n == 0 || unit.maxCoeff() <= 0) return Eigen::MatrixXd::Zero(0, n);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
+  const SymmetricEigen eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
   Eigen::Index first = 0;  // eigenvalues ascend
   while (eigen.eigenvalues()[first] <= kSpanned * eigen.eigenvalues()[n - 1]) ++first;
   return eigen.eigenvalues().tail(n - first).cwiseSqrt().cwiseInverse().asDiagonal() *
@@ -24,9 +24,9 @@ Eigen::MatrixXd least_squares_gain(const Eigen::MatrixXd& design, const Eigen::M
   constexpr double kTold = 1e-9;  // of the best determined
   const Eigen::MatrixXd white = whitening(covariance);
   const Eigen::MatrixXd x = white * design * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> normal(Eigen::MatrixXd(x.transpose() * x));
-  if (normal.vectorD().minCoeff() < kTold * normal.vectorD().maxCoeff()) return {};
-  return scale.asDiagonal() * normal.solve(Eigen::MatrixXd(x.transpose() * white));
+  const PivotedCholesky normal(x.transpose() * x);
+  if (normal.pivots().minCoeff() < kTold * normal.pivots().maxCoeff()) return {};
+  return scale.asDiagonal() * normal.solve(x.transpose() * white);
 }
 
 }  // namespace trunnion

@@ -9,7 +9,7 @@
 namespace trunnion {
 namespace {
 
-constexpr double kLargest = 1e9;  ///< mm, deg, um: far beyond any machine
+constexpr double kLargestEntry = 1e9;  ///< mm, deg, um: far beyond any machine
 
 std::string shown(const toml::node& node) {
   std::ostringstream out;
@@ -55,7 +55,7 @@ std::optional<double> TomlReader::number(const std::string& key) {
   if (found == nullptr) return std::nullopt;
   const std::optional<double> value = found->is_number() ? found->value<double>() : std::nullopt;
   if (!value || !std::isfinite(*value)) fail(key, shown(*found) + " found, a finite number is wanted");
-  if (std::abs(*value) > kLargest) fail(key, shown(*found) + " found, a number within 1e9 is wanted");
+  if (std::abs(*value) > kLargestEntry) fail(key, shown(*found) + " found, a number within 1e9 is wanted");
   return value;
 }
 
@@ -75,7 +75,7 @@ std::optional<std::vector<double>> TomlReader::numbers(const std::string& key, s
   for (const toml::node& entry : *found->as_array()) {
     const std::optional<double> value = entry.is_number() ? entry.value<double>() : std::nullopt;
     if (!value || !std::isfinite(*value)) fail(key, shown(*found) + wanted);
-    if (std::abs(*value) > kLargest) fail(key, shown(*found) + " found, numbers within 1e9 are wanted");
+    if (std::abs(*value) > kLargestEntry) fail(key, shown(*found) + " found, numbers within 1e9 are wanted");
     values.push_back(*value);
   }
   return values;

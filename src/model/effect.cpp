@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "error.h"
+#include "model/json_value.h"
 
 namespace trunnion {
 
@@ -99,15 +100,6 @@ json Effect::to_json() const {
   }
   return j;
 }
-
-namespace {
-
-double number(const json& j, const std::string& where) {
-  if (!j.is_number()) throw ModelError(where + ": " + j.dump() + " found, a number is wanted");
-  return j.get<double>();
-}
-
-}  // namespace
 
 void Effect::read_shape(const json& j) {
   const std::vector<Parameter> names = shape();

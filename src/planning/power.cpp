@@ -1,13 +1,12 @@
 #include "planning/power.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "discovery/candidate.h"
 #include "error.h"
+#include "linear_algebra/factors.h"
 #include "model/model.h"
 
 namespace trunnion {
@@ -72,7 +71,7 @@ class Design {
       // New rows add E' (I + F F')^-1 E, E what is not foreseen of the effects there.
       const Eigen::MatrixXd f = base.predict(rows).factor, e = z_(rows, Eigen::all) - f * reduced;
       const Eigen::MatrixXd m = Eigen::MatrixXd::Identity(f.rows(), f.rows()) + f * f.transpose();
-      known.with.push_back(known.information + e.transpose() * m.llt().solve(e));
+      known.with.push_back(known.information + e.transpose() * Cholesky(m).solve(e));
     }
     return known;
   }
@@ -94,7 +93,7 @@ class Design {
           Eigen::MatrixXd rest = scaled(others, others);
           rest.diagonal().array() += 1e-12;
           const Eigen::VectorXd cross = scaled(others, k);
-          left -= cross.dot(rest.ldlt().solve(cross));
+          left -= cross.dot(PivotedCholesky(rest).solve(cross));
         }
         const Parameter& p = c.effect->parameters()[j];
         const double size = left > kUnseen
@@ -118,7 +117,7 @@ double log_det(const Eigen::MatrixXd& information, const Eigen::VectorXd& norms)
   const Eigen::VectorXd unit = norms.unaryExpr([](double x) { return x > 0 ? 1 / x : 0.0; });
   Eigen::MatrixXd scaled = unit.asDiagonal() * information * unit.asDiagonal();
   scaled.diagonal().array() += kUnseen;
-  return scaled.llt().matrixLLT().diagonal().array().log().sum();
+  return Cholesky(scaled).half_log_determinant();
 }
 
 std::vector<Visit> possible_visits(const Machine& machine, const std::vector<Spot>& spots, const PowerOptions& options,

@@ -30,19 +30,19 @@ namespace trunnion::python {
 namespace {
 
 using nlohmann::json;
-using Set = std::shared_ptr<const ObservationSet>;
+using Readings = std::shared_ptr<const ObservationSet>;
 
 // ---- identify
 
 struct Identification {
-  Set observations;  ///< to which the result points
+  Readings observations;  ///< to which the result points
   IdentificationResult result;
   json summary;
 };
 
-Identification run_identify(const Machine& machine, Set observations, const std::string& method, bool robust, bool fill,
-                            const std::string& interpolation, const Model* prior, std::optional<double> drift_um,
-                            std::optional<double> drift_urad) {
+Identification run_identify(const Machine& machine, Readings observations, const std::string& method, bool robust,
+                            bool fill, const std::string& interpolation, const Model* prior,
+                            std::optional<double> drift_um, std::optional<double> drift_urad) {
   if (method != "joint" && method != "two-step")
     throw UsageError("method: " + method + " found, joint or two-step is wanted");
   IdentificationOptions options{.robust = robust, .fill = fill, .interpolation = interpolation};
@@ -194,7 +194,7 @@ struct Closure {
   json summary;
 };
 
-Closure run_close(const Machine& machine, const Set& observations, const Set& verification) {
+Closure run_close(const Machine& machine, const Readings& observations, const Readings& verification) {
   const auto all =
       std::make_shared<const ObservationSet>(verification ? joined(*observations, *verification) : *observations);
   Closure closure{all, close_loop(*all, observations->rows.size(), machine), {}};

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kLeaf = 8;  ///< positions in a leaf
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNowhere_mm = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -27,7 +27,7 @@ CutEnvelope::CutEnvelope(std::vector<ToolInWorkpiece> tools, ToolSolid solid, do
 
 CutEnvelope::Node CutEnvelope::node_over(std::size_t first, std::size_t last) const {
   first = std::min(first, tools_.size()), last = std::min(last, tools_.size());
-  Node node{Vector3d::Zero(), Vector3d::UnitZ(), 1, -kInfinity};
+  Node node{Vector3d::Zero(), Vector3d::UnitZ(), 1, -kNowhere_mm};
   if (first == last) return node;
   Vector3d tip = Vector3d::Zero(), far = Vector3d::Zero();
   for (std::size_t i = first; i < last; ++i) {
@@ -48,7 +48,7 @@ CutEnvelope::Node CutEnvelope::node_over(std::size_t first, std::size_t last) co
 
 double CutEnvelope::bound_mm(std::size_t index, const Vector3d& point) const {
   const Node& node = nodes_[index];
-  if (node.stray_mm < 0) return kInfinity;  // no position at all
+  if (node.stray_mm < 0) return kNowhere_mm;  // no position at all
   const Vector3d off = point - node.tip_mm;
   const double share = std::clamp(off.dot(node.along_mm) * node.inverse_square, 0.0, 1.0);
   return (off - share * node.along_mm).norm() - node.stray_mm - solid_.radius_mm;
@@ -68,7 +68,7 @@ void CutEnvelope::search_leaf(std::size_t leaf, const SurfaceRay& ray, double de
 }
 
 FirstEntry CutEnvelope::search(const SurfaceRay& ray, double depth_mm, std::size_t hint) const {
-  FirstEntry best{kInfinity, 0};
+  FirstEntry best{kNowhere_mm, 0};
   search_leaf(hint, ray, depth_mm, best);
   struct Open {
     std::size_t node;

@@ -1,8 +1,9 @@
 #include "testpiece/flank_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "linear_algebra/factors.h"
 
 namespace trunnion {
 namespace {
@@ -28,7 +29,7 @@ FlankFit fit_flank(std::span<const ConeTrace> traces, Angle half_angle) {
       right += row.transpose() * trace.normal_mm[i];
     }
   // The smallest solution: what is not determined stays at zero.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> eigen(normal);
+  const SymmetricEigen eigen(normal);
   const Eigen::Matrix<double, 5, 1> d = eigen.eigenvalues();
   const Eigen::Matrix<double, 5, 1> inverse =
       d.unaryExpr([&](double v) { return v > 1e-12 * d.maxCoeff() ? 1 / v : 0.0; });

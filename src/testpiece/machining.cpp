@@ -3,21 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "error.h"
 #include "testpiece/parallel.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 [[noreturn]] void refuse_uncut(const TestPiece& piece, const ConePoint& on) {
   const Vector3d in_cone = w_from_cone(piece.cone).inverse(Eigen::Isometry) * on.point_w_mm;
-  const double phi = std::atan2(in_cone.y(), in_cone.x()) * 360 / kTurn;
+  const double phi = std::atan2(in_cone.y(), in_cone.x()) * 360 / kTurn_rad;
   throw RangeError("the path never cuts the surface at phi " + std::to_string(phi < -1e-9 ? phi + 360 : phi) +
                    " deg, h " + std::to_string(in_cone.z()) + " mm");
 }
@@ -48,7 +46,7 @@ std::vector<FirstEntry> first_cuts(const TestPiece& piece, std::span<const ConeP
 SurfaceGrid evaluated_surface(const TestPiece& piece) {
   SurfaceGrid surface;
   const Eigen::Isometry3d frame = w_from_cone(piece.cone);
-  for (int k = 0; k < piece.points; ++k) surface.phi_rad.push_back(kTurn * k / piece.points);
+  for (int k = 0; k < piece.points; ++k) surface.phi_rad.push_back(kTurn_rad * k / piece.points);
   for (const Length h : piece.heights) {
     surface.h_mm.push_back(h.in_millimetres());
     for (const double phi : surface.phi_rad)
@@ -93,10 +91,10 @@ std::vector<double> first_order_deviation_mm(const TestPiece& piece, const Surfa
   const double radius = 0.5 * piece.tool.diameter.in_millimetres();
   std::vector<double> deviation(surface.points.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const double turns = path[i].phi_rad / kTurn;
+    const double turns = path[i].phi_rad / kTurn_rad;
     const double station = (turns - std::floor(turns)) * static_cast<double>(n);
     const auto k = static_cast<std::size_t>(std::lround(station)) % n;
-    if (std::abs(station - std::round(station)) * kTurn > kSamePhi_rad * static_cast<double>(n)) continue;
+    if (std::abs(station - std::round(station)) * kTurn_rad > kSamePhi_rad * static_cast<double>(n)) continue;
     for (std::size_t j = 0; j < surface.h_mm.size(); ++j) {
       const ConePoint& on = surface.points[j * n + k];
       const Vector3d off = tools[i].tip_w_mm - on.point_w_mm;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
+
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
@@ -51,24 +52,23 @@ double point_to_point_sigma_mm(std::span<const ConeTrace> traces) {
 
 std::vector<bool> cut_steadily(const TestPiece& piece, std::span<const CutPoint> cut,
                                std::span<const ToolPosition> path) {
-  constexpr double kTurn = 2 * std::numbers::pi;
   const double tool = 0.5 * piece.tool.diameter.in_millimetres();
   const double radius = 0.5 * piece.cone.base_diameter.in_millimetres();
   const double reach = std::sqrt(2 * kLargestStep_mm * tool * radius / (tool + radius)) / radius;  // rad about the axis
   // Positions in the order of phi, once round and a little more, so that neighbours across 0 are neighbours.
   std::vector<std::pair<double, std::size_t>> by_phi;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const double phi = path[i].phi_rad - kTurn * std::floor(path[i].phi_rad / kTurn);
+    const double phi = path[i].phi_rad - kTurn_rad * std::floor(path[i].phi_rad / kTurn_rad);
     by_phi.emplace_back(phi, i);
-    if (phi < reach) by_phi.emplace_back(phi + kTurn, i);
-    if (phi > kTurn - reach) by_phi.emplace_back(phi - kTurn, i);
+    if (phi < reach) by_phi.emplace_back(phi + kTurn_rad, i);
+    if (phi > kTurn_rad - reach) by_phi.emplace_back(phi - kTurn_rad, i);
   }
   std::ranges::sort(by_phi);
   const double whole_s = path.empty() ? 0 : path.back().time_s - path.front().time_s;
   std::vector<bool> steady;
   for (const CutPoint& point : cut) {
     const ToolPosition& own = path[point.position];
-    const double phi = own.phi_rad - kTurn * std::floor(own.phi_rad / kTurn);
+    const double phi = own.phi_rad - kTurn_rad * std::floor(own.phi_rad / kTurn_rad);
     const auto from = std::ranges::lower_bound(by_phi, std::pair(phi - reach, std::size_t{0}));
     bool same = true;
     for (auto at = from; at != by_phi.end() && at->first <= phi + reach && same; ++at) {

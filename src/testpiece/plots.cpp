@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "testpiece/colour_scale.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr const char* kInk[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"};
+constexpr const char* kInks[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"};
 
 std::string fixed(double value, int decimals) {
   char text[64];
@@ -48,8 +47,8 @@ std::string label(double x, double y, const std::string& text, const std::string
 /// Lines are told apart by colour and, by those who see no colours, by their dashes.
 std::string line_style(std::size_t k) {
   constexpr const char* kDashes[] = {"", "8 4", "2 3", "10 3 2 3", "5 5", "1 4"};
-  k %= std::size(kInk);
-  return "class=\"line s" + std::to_string(k) + "\" fill=\"none\" stroke=\"" + kInk[k] + "\" stroke-width=\"1.5\"" +
+  k %= std::size(kInks);
+  return "class=\"line s" + std::to_string(k) + "\" fill=\"none\" stroke=\"" + kInks[k] + "\" stroke-width=\"1.5\"" +
          (k == 0 ? "" : std::string(" stroke-dasharray=\"") + kDashes[k] + "\"");
 }
 
@@ -84,7 +83,7 @@ std::string polar_plot_svg(const std::string& title, std::span<const PolarCurve>
     svg += "<circle cx=\"260\" cy=\"260\" r=\"" + fixed(kCircle + ring * kReach / 2, 1) + "\" fill=\"none\" " +
            (ring == 0 ? "class=\"axis\" stroke=\"#555\"" : "class=\"grid\" stroke=\"#ccc\"") + "/>\n";
   for (int k = 0; k < 12; ++k) {
-    const double phi = kTurn * k / 12;
+    const double phi = kTurn_rad * k / 12;
     const auto at = [&](double r) { return std::pair(kCenter + r * std::cos(phi), kCenter - r * std::sin(phi)); };
     const auto [x, y] = at(kCircle + kReach + 14);
     const auto [x1, y1] = at(kCircle - kReach);

@@ -1,18 +1,16 @@
 #include "testpiece/prediction_spread.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "linear_algebra/factors.h"
 #include "model/effects/rotary_error_map.h"
 #include "testpiece/parallel.h"
 #include "testpiece/profile_filter.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 /// splitmix64 from (seed, stream), normal deviates by Box and Muller: the same on every machine, whatever the order in
 /// which streams are used.
@@ -26,7 +24,7 @@ class NormalStream {
       has_spare_ = false;
       return spare_;
     }
-    const double radius = std::sqrt(-2 * std::log(uniform())), angle = kTurn * uniform();
+    const double radius = std::sqrt(-2 * std::log(uniform())), angle = kTurn_rad * uniform();
     has_spare_ = true;
     spare_ = radius * std::sin(angle);
     return radius * std::cos(angle);
@@ -44,12 +42,7 @@ class NormalStream {
 };
 
 /// L with L L^T = covariance, which may be semidefinite.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::LDLT<Eigen::MatrixXd> factors(covariance);
-  const Eigen::MatrixXd lower = factors.matrixL();
-  const Eigen::VectorXd d = factors.vectorD().cwiseMax(0).cwiseSqrt();
-  return factors.transpositionsP().transpose() * Eigen::MatrixXd(lower * d.asDiagonal());
-}
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) { return PivotedCholesky(covariance).root(); }
 
 DrawnSpread spread_of(std::vector<double> values) {
   double mean = 0, squares = 0;

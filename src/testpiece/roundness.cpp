@@ -8,13 +8,13 @@
 #include <numeric>
 
 #include "error.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kSteps = 30;
 constexpr double kStill = 1e-8;  ///< relative to the radius: a last step this small leaves its square
 
@@ -35,14 +35,14 @@ Trace checked(const RoundnessTrace& given) {
 
   std::vector<double> angle(n);
   for (std::size_t i = 0; i < n; ++i) {
-    angle[i] = std::fmod(given.phi_rad[i] - given.phi_rad[0], kTurn);
-    if (angle[i] < 0) angle[i] += kTurn;
+    angle[i] = std::fmod(given.phi_rad[i] - given.phi_rad[0], kTurn_rad);
+    if (angle[i] < 0) angle[i] += kTurn_rad;
   }
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t i) { return angle[i]; });
   for (std::size_t i = 0; i < n; ++i) {
-    const double next = i + 1 < n ? angle[order[i + 1]] : kTurn + angle[order[0]];
+    const double next = i + 1 < n ? angle[order[i + 1]] : kTurn_rad + angle[order[0]];
     if (next - angle[order[i]] >= std::numbers::pi)
       throw InputError("a roundness trace leaves half a turn without points; points all round are wanted");
   }

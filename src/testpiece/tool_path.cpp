@@ -4,13 +4,13 @@
 #include <numbers>
 
 #include "error.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kUpright = 1e-12;         ///< sine of the inclination below which C means nothing
 constexpr double kFinestStep_rad = 1e-11;  ///< of phi, where C swings
 
@@ -27,7 +27,7 @@ class PathBuilder {
     const double ahead = upright(0) ? 1e-6 * piece.sense : 0;
     const Angle c = rotary_position_along(chain_, ruling(ahead), Angle()).c;
     // One turn of C for all who compute it: from -360 (left out) to 0 deg.
-    append(0, Angle::radians(c.in_radians() - kTurn * std::ceil(c.in_radians() / kTurn - 1e-9)));
+    append(0, Angle::radians(c.in_radians() - kTurn_rad * std::ceil(c.in_radians() / kTurn_rad - 1e-9)));
   }
 
   void advance_to(double phi) {
@@ -54,7 +54,8 @@ class PathBuilder {
   void swing(double phi, double next) {
     const double from = path_.back().at.c.in_radians();
     double way = next - from;
-    if (std::abs(std::abs(way) - std::numbers::pi) < 1e-3 && way * last_turn() < 0) way -= std::copysign(kTurn, way);
+    if (std::abs(std::abs(way) - std::numbers::pi) < 1e-3 && way * last_turn() < 0)
+      way -= std::copysign(kTurn_rad, way);
     const int steps = static_cast<int>(std::ceil(std::abs(way) / largest_));
     for (int k = 1; k <= steps; ++k) append(phi, Angle::radians(from + way * k / steps));
   }
@@ -96,7 +97,7 @@ IndexedPosition rotary_position_along(const KinematicChain& chain, const Vector3
     const double sense = (turn.side == Side::workpiece ? -1 : 1) * (turn.direction.z() < 0 ? -1 : 1);
     const double at_zero = azimuth(tool_axis_w(chain, {at.a, Angle()}));
     const double c = sense * (azimuth(axis_w) - at_zero);
-    at.c = Angle::radians(near_c.in_radians() + std::remainder(c - near_c.in_radians(), kTurn));
+    at.c = Angle::radians(near_c.in_radians() + std::remainder(c - near_c.in_radians(), kTurn_rad));
   }
   if ((tool_axis_w(chain, at) - axis_w).norm() > 1e-9)
     throw ModelError("the rotary axes of this machine cannot put the tool along every ruling of the cone");
@@ -154,7 +155,7 @@ std::vector<ToolPosition> flank_milling_path(const TestPiece& piece, const Kinem
   const int steps = per_point * piece.points;
   if (!rulings) rulings = formula_rulings(piece.cone);
   PathBuilder builder(piece, chain, sampling.largest_turn, std::move(rulings));
-  for (int k = 1; k <= steps; ++k) builder.advance_to(piece.sense * kTurn * k / steps);
+  for (int k = 1; k <= steps; ++k) builder.advance_to(piece.sense * kTurn_rad * k / steps);
   std::vector<ToolPosition> path = builder.take();
   set_senses(path, chain, piece.tool.length);
   set_times(path, piece);

@@ -28,6 +28,8 @@ class Angle {
   double radians_ = 0;
 };
 
-inline constexpr Angle kFullTurn = Angle::radians(2 * std::numbers::pi);
+inline constexpr double kTurn_rad = 2 * std::numbers::pi;
+inline constexpr double kDegree_rad = std::numbers::pi / 180;
+inline constexpr Angle kFullTurn = Angle::radians(kTurn_rad);
 
 }  // namespace trunnion

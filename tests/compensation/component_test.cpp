@@ -15,6 +15,7 @@
 #include "compensation/verification.h"
 #include "sample_models.h"
 #include "support/virtual_machine.h"
+#include "units/angle.h"
 
 // The component as LinuxCNC's own tool compiles it, loaded into this program: what it calls of HAL stands below, and
 // what it computes is judged by a machine that knows nothing of it.
@@ -64,8 +65,6 @@ namespace trunnion {
 namespace {
 
 using compensation_test::trunnion_machine;
-
-constexpr double kDegree = M_PI / 180;
 
 class Component {
  public:
@@ -160,8 +159,8 @@ TEST_F(TheComponent, GoesWhereItsEmulatorSaysAndComesBack) {
     const auto joint = component.joints({w.x(), w.y(), w.z(), a, 0, c, 0, 0, 0});
     const AxisCorrection told = played->at(s);
     EXPECT_LT((Eigen::Vector3d(joint[0], joint[1], joint[2]) - s.point_r_mm - told.linear_mm).norm(), kTwins_mm);
-    EXPECT_NEAR((joint[3] - a) * kDegree, told.tilt_rad, kTwins_rad);
-    EXPECT_NEAR((joint[4] - c) * kDegree, told.turn_rad, kTwins_rad);
+    EXPECT_NEAR((joint[3] - a) * kDegree_rad, told.tilt_rad, kTwins_rad);
+    EXPECT_NEAR((joint[4] - c) * kDegree_rad, told.turn_rad, kTwins_rad);
     const EmcPose back = component.world(joint);
     EXPECT_NEAR(back.x, w.x(), kBack);
     EXPECT_NEAR(back.y, w.y(), kBack);
@@ -178,7 +177,7 @@ TEST_F(TheComponent, WithoutCompensationIsTheStockKinematics) {
   Component::number("x-rot-point") = r.x(), Component::number("y-rot-point") = r.y(),
   Component::number("z-rot-point") = r.z();
   Component::number("y-offset") = d.y(), Component::number("z-offset") = d.z(), Component::number("tool-offset") = 60;
-  const double a = -37 * kDegree, c = 123 * kDegree;
+  const double a = -37 * kDegree_rad, c = 123 * kDegree_rad;
   const Eigen::Vector3d p = Eigen::Vector3d(40, 50, 60) - r;
   const Eigen::Vector3d q(std::cos(c) * p.x() - std::sin(c) * p.y(), std::sin(c) * p.x() + std::cos(c) * p.y() - d.y(),
                           p.z() - d.z());

@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-const std::vector<Angle> kA = stations_deg({-90, -60, -30, 0});
-const std::vector<Angle> kC = stations_deg({0, 60, 120, 180, 240, 300});
+const std::vector<Angle> kBakedA = stations_deg({-90, -60, -30, 0});
+const std::vector<Angle> kBakedC = stations_deg({0, 60, 120, 180, 240, 300});
 const Range<Angle> kRange{Angle::degrees(-90), Angle::degrees(0)};
 
 /// The table's pose error of a trunnion whose map is drawn at random: 5 um, 30 urad.
@@ -26,7 +26,7 @@ struct Table {
 
 Table table(Interpolation method = Interpolation::trig_cubic) {
   testing::Noise noise(1);
-  ErrorGrid grid = zero_grid(kA, kC);
+  ErrorGrid grid = zero_grid(kBakedA, kBakedC);
   Eigen::VectorXd values(static_cast<Eigen::Index>(grid.coefficient_count()));
   for (Eigen::Index k = 0; k < values.size(); ++k) values[k] = (k % 6 < 3 ? 5e-3 : 3e-5) * noise.normal();
   return {.surface = make_surface(method, with_coefficients(grid, values))};

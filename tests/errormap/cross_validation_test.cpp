@@ -7,7 +7,7 @@
 namespace trunnion {
 namespace {
 
-const std::vector<Angle> kA = stations_deg({-90, -60, -30, -10, 0});
+const std::vector<Angle> kLeftOutA = stations_deg({-90, -60, -30, -10, 0});
 
 /// One harmonic, linear in the tilt: what is left of the grid still tells it.
 RotaryErrors simple(IndexedPosition at) {
@@ -20,7 +20,7 @@ RotaryErrors simple(IndexedPosition at) {
 
 TEST(CrossValidation, FindsNothingWhereTheRestOfTheGridTellsAll) {
   const KinematicChain chain(twin("w C' A' Y' b X Z t").machine);
-  const ErrorGrid grid = sampled(simple, kA, stations_deg({0, 60, 120, 180, 240, 300}));
+  const ErrorGrid grid = sampled(simple, kLeftOutA, stations_deg({0, 60, 120, 180, 240, 300}));
   const CrossValidation found = cross_validate(Interpolation::trig_cubic, grid, chain);
   EXPECT_EQ(found.columns.nodes, 30U);
   EXPECT_EQ(found.rows.nodes, 18U);
@@ -39,7 +39,7 @@ TEST(CrossValidation, TellsWhatAnInterpolantMissesInNumbers) {
     return e;
   };
   const KinematicChain chain(twin("w C' A' Y' b X Z t").machine);
-  const ErrorGrid grid = sampled(radial, kA, stations_deg({0, 60, 120, 180, 240, 300}));
+  const ErrorGrid grid = sampled(radial, kLeftOutA, stations_deg({0, 60, 120, 180, 240, 300}));
   const CrossValidation found = cross_validate(Interpolation::bilinear, grid, chain);
   EXPECT_NEAR(found.columns.displacement.in_micrometres(), 5 / std::sqrt(2.), 1e-10);
   EXPECT_NEAR(found.columns.rotation.in_microradians(), 10 / std::sqrt(2.), 1e-10);

@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kRounding = 1e-15;  // mm and rad, far below any probe
 
-const std::vector<Angle> kA = stations_deg({-90, -60, -30, 0});
-const std::vector<Angle> kC = stations_deg({0, 60, 120, 180, 240, 300});
+const std::vector<Angle> kProbedA = stations_deg({-90, -60, -30, 0});
+const std::vector<Angle> kProbedC = stations_deg({0, 60, 120, 180, 240, 300});
 const std::vector<Angle> kUnevenA = stations_deg({-100, -77, -30, -11, 5, 30});
 const std::vector<Angle> kUnevenC = stations_deg({3, 50, 130, 190, 222, 260, 301});
 
-ErrorGrid drawn(std::uint64_t seed, const std::vector<Angle>& a, const std::vector<Angle>& c) {
+ErrorGrid drawn_grid(std::uint64_t seed, const std::vector<Angle>& a, const std::vector<Angle>& c) {
   testing::Noise noise(seed);
   ErrorGrid grid = zero_grid(a, c);
   Eigen::VectorXd values(static_cast<Eigen::Index>(grid.coefficient_count()));
@@ -30,8 +30,8 @@ std::vector<Interpolation> all_methods() {
 }
 
 TEST(ErrorSurface, TrigonometricTimesCubicReproducesABandLimitedFieldCubicInTheTilt) {
-  for (const auto& [a, c] : {std::pair(kA, kC), std::pair(kUnevenA, kUnevenC),
-                             std::pair(kA, stations_deg({10, 60, 120, 200, 240, 300, 333, 359}))}) {
+  for (const auto& [a, c] : {std::pair(kProbedA, kProbedC), std::pair(kUnevenA, kUnevenC),
+                             std::pair(kProbedA, stations_deg({10, 60, 120, 200, 240, 300, 333, 359}))}) {
     const auto surface = make_surface(Interpolation::trig_cubic, sampled(band_limited, a, c));
     testing::Noise noise(1);
     for (int k = 0; k < 300; ++k) {
@@ -48,7 +48,7 @@ TEST(ErrorSurface, SixTurnsCarryTheCosineOfTheThirdHarmonicAndNotItsSine) {
     e.turn.translation_mm = {std::cos(3 * at.c.in_radians()), std::sin(3 * at.c.in_radians()), 0};
     return e;
   };
-  const auto surface = make_surface(Interpolation::trig_cubic, sampled(third, kA, kC));
+  const auto surface = make_surface(Interpolation::trig_cubic, sampled(third, kProbedA, kProbedC));
   for (double c = 0; c < 360; c += 7) {
     const Eigen::Vector3d found = surface->at(degrees(-40, c)).turn.translation_mm;
     EXPECT_NEAR(found.x(), std::cos(Angle::degrees(3 * c).in_radians()), 1e-13);
@@ -60,11 +60,11 @@ TEST(ErrorSurface, AnyStationsOfCDetermineTheTrigonometricInterpolant) {
   // An even number that is not spread over the turn: the last harmonic's phase must not miss them.
   for (const auto& c : {stations_deg({0, 90}), stations_deg({0, 180}), stations_deg({0, 45, 90, 135}),
                         stations_deg({0, 30, 90, 180}), stations_deg({15})}) {
-    const ErrorGrid grid = drawn(2, kA, c);
+    const ErrorGrid grid = drawn_grid(2, kProbedA, c);
     const auto surface = make_surface(Interpolation::trig_cubic, grid);
-    for (std::size_t i = 0; i < kA.size(); ++i)
+    for (std::size_t i = 0; i < kProbedA.size(); ++i)
       for (std::size_t j = 0; j < c.size(); ++j)
-        EXPECT_LT(difference(surface->at({kA[i], c[j]}), grid.at_node(i, j)), 1e-14) << c.size() << " " << j;
+        EXPECT_LT(difference(surface->at({kProbedA[i], c[j]}), grid.at_node(i, j)), 1e-14) << c.size() << " " << j;
   }
 }
 
@@ -87,9 +87,9 @@ TEST(ErrorSurface, BilinearReproducesABilinearFieldBetweenUnevenStations) {
 }
 
 TEST(ErrorSurface, PassesThroughItsNodesWhateverTheTurn) {
-  for (const auto& [a, c] : {std::pair(kA, kC), std::pair(kUnevenA, kUnevenC)})
+  for (const auto& [a, c] : {std::pair(kProbedA, kProbedC), std::pair(kUnevenA, kUnevenC)})
     for (const Interpolation method : all_methods()) {
-      const ErrorGrid grid = drawn(3, a, c);
+      const ErrorGrid grid = drawn_grid(3, a, c);
       const auto surface = make_surface(method, grid);
       for (std::size_t i = 0; i < a.size(); ++i)
         for (std::size_t j = 0; j < c.size(); ++j)
@@ -101,7 +101,7 @@ TEST(ErrorSurface, PassesThroughItsNodesWhateverTheTurn) {
 
 TEST(ErrorSurface, CrossesTheSeamOfCWithoutAStep) {
   for (const Interpolation method : all_methods()) {
-    const auto surface = make_surface(method, drawn(4, kA, kC));
+    const auto surface = make_surface(method, drawn_grid(4, kProbedA, kProbedC));
     for (double a = -90; a <= 0; a += 4.5) {
       constexpr double kStep_deg = 1e-7;  // times a slope of 1e-4 mm/deg: 1e-11 mm
       const RotaryErrors left = surface->at(degrees(a, 360 - kStep_deg)), right = surface->at(degrees(a, kStep_deg));
@@ -114,7 +114,7 @@ TEST(ErrorSurface, CrossesTheSeamOfCWithoutAStep) {
 
 TEST(ErrorSurface, CrossesTheSeamAndEveryStationOfCWithoutAKink) {
   for (const Interpolation method : {Interpolation::trig_cubic, Interpolation::natural_neighbour}) {
-    const auto surface = make_surface(method, drawn(5, kA, kC));
+    const auto surface = make_surface(method, drawn_grid(5, kProbedA, kProbedC));
     for (double a = -85; a < 0; a += 7.5)
       for (const double c : {0., 30., 60., 180., 300., 359.}) {
         constexpr double kStep_deg = 1e-3;
@@ -128,7 +128,7 @@ TEST(ErrorSurface, CrossesTheSeamAndEveryStationOfCWithoutAKink) {
 
 TEST(ErrorSurface, ItsJacobianIsItsDependenceOnTheNodes) {
   for (const Interpolation method : all_methods()) {
-    const ErrorGrid grid = drawn(6, kA, kUnevenC);
+    const ErrorGrid grid = drawn_grid(6, kProbedA, kUnevenC);
     const auto surface = make_surface(method, grid);
     const Eigen::VectorXd theta = grid.coefficients();
     ASSERT_EQ(surface->coefficient_count(), theta.size());
@@ -145,8 +145,8 @@ TEST(ErrorSurface, AConstantStaysAConstant) {
     return RotaryErrors{um_urad(1, 2, 3, 4, 5, 6), um_urad(-7, 8, -9, 10, -11, 12)};
   };
   for (const Interpolation method : all_methods())
-    for (const auto& a : {kA, stations_deg({-90, -40, 0}), stations_deg({-90, 0}), stations_deg({0})}) {
-      const auto surface = make_surface(method, sampled(constant, a, kC));
+    for (const auto& a : {kProbedA, stations_deg({-90, -40, 0}), stations_deg({-90, 0}), stations_deg({0})}) {
+      const auto surface = make_surface(method, sampled(constant, a, kProbedC));
       for (double at = a.front().in_degrees(); at <= 0; at += 4.5)
         for (double c = 0; c < 360; c += 13)
           EXPECT_LT(difference(surface->at(degrees(at, c)), constant({})), 1e-16) << interpolation_name(method);
@@ -160,7 +160,7 @@ TEST(ErrorSurface, TheCubicIsNaturalForThreeStationsAndALineForTwo) {
     return e;
   };
   for (const auto& a : {stations_deg({-90, -50, 0}), stations_deg({-90, 0})}) {
-    const auto surface = make_surface(Interpolation::trig_cubic, sampled(line, a, kC));
+    const auto surface = make_surface(Interpolation::trig_cubic, sampled(line, a, kProbedC));
     for (double at = -90; at <= 0; at += 7)
       EXPECT_LT(difference(surface->at(degrees(at, 10)), line(degrees(at, 10))), 1e-16);
   }
@@ -168,7 +168,7 @@ TEST(ErrorSurface, TheCubicIsNaturalForThreeStationsAndALineForTwo) {
 
 TEST(ErrorSurface, RefusesATiltOutsideItsStations) {
   for (const Interpolation method : all_methods()) {
-    const auto surface = make_surface(method, drawn(8, kA, kC));
+    const auto surface = make_surface(method, drawn_grid(8, kProbedA, kProbedC));
     EXPECT_TRUE(surface->covers(Angle::degrees(-90)));
     EXPECT_TRUE(surface->covers(Angle::degrees(1e-10)));
     EXPECT_FALSE(surface->covers(Angle::degrees(0.001)));
@@ -194,13 +194,13 @@ TEST(ErrorSurface, RefusesContradictoryGrids) {
     }
     return "taken";
   };
-  EXPECT_EQ(message(zero_grid({}, kC)), "error map: no A stations");
-  EXPECT_EQ(message(zero_grid(kA, {})), "error map: no C stations");
-  EXPECT_EQ(message(zero_grid(stations_deg({0, 0}), kC)), "error map: the A stations must ascend strictly");
-  EXPECT_EQ(message(zero_grid(kA, stations_deg({10, 0}))), "error map: the C stations must ascend strictly");
-  EXPECT_EQ(message(zero_grid(kA, stations_deg({0, 180, 360}))),
+  EXPECT_EQ(message(zero_grid({}, kProbedC)), "error map: no A stations");
+  EXPECT_EQ(message(zero_grid(kProbedA, {})), "error map: no C stations");
+  EXPECT_EQ(message(zero_grid(stations_deg({0, 0}), kProbedC)), "error map: the A stations must ascend strictly");
+  EXPECT_EQ(message(zero_grid(kProbedA, stations_deg({10, 0}))), "error map: the C stations must ascend strictly");
+  EXPECT_EQ(message(zero_grid(kProbedA, stations_deg({0, 180, 360}))),
             "error map: the C stations span a full turn or more; the first is not to be repeated at 360 deg");
-  ErrorGrid short_of_one = zero_grid(kA, kC);
+  ErrorGrid short_of_one = zero_grid(kProbedA, kProbedC);
   short_of_one.turn.pop_back();
   EXPECT_EQ(message(short_of_one), "error map: the number of errors does not match the stations");
 }

@@ -19,7 +19,7 @@ using testing::RotaryPosition;
 using testing::VirtualMachine;
 
 constexpr double kDrift_mm = 1.5e-3, kDrift_rad = 6e-6;
-constexpr double kSigma_mm = 0.175e-3;
+constexpr double kProbe_mm = 0.175e-3;
 
 /// The machine after a drift drawn from what `Drift` says, written out: the constants as large as told, degrees of the
 /// tilt and functions of the tilt in C falling off by exp(-0.8), harmonics of C by a half.
@@ -58,7 +58,7 @@ ObservationSet probed(const VirtualMachine& machine, std::uint64_t seed,
   testing::ProbingPlan plan = testing::replica_plan();
   plan.faces = testing::as_built(plan.faces, noise, 20e-3, 50e-6);
   std::erase_if(plan.touches, [&](const testing::PlannedTouch& t) { return !where(t.A_deg, t.C_deg); });
-  return testing::as_observations(testing::probe(machine, plan, {.sigma_mm = kSigma_mm}, noise));
+  return testing::as_observations(testing::probe(machine, plan, {.sigma_mm = kProbe_mm}, noise));
 }
 
 bool everywhere(double, double) { return true; }

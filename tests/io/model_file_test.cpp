@@ -15,24 +15,24 @@
 namespace trunnion {
 namespace {
 
-const Machine kMachine = read_machine(TRUNNION_SOURCE_DIR "/tests/rejected/shared/machine.toml");
+const Machine kModelled = read_machine(TRUNNION_SOURCE_DIR "/tests/rejected/shared/machine.toml");
 const std::string kModel = read_text(TRUNNION_SOURCE_DIR "/tests/rejected/shared/model.json");
 
 TEST(ModelFile, ReadsBackWhatItWrote) {
-  const Model model = parse_model(kModel, "model.json", kMachine);
+  const Model model = parse_model(kModel, "model.json", kModelled);
   const std::string written = model_text(model);
-  EXPECT_EQ(model_text(parse_model(written, "model.json", kMachine)), written);
+  EXPECT_EQ(model_text(parse_model(written, "model.json", kModelled)), written);
 }
 
 TEST(ModelFile, CarriesTheFitAlong) {
   nlohmann::json document = nlohmann::json::parse(kModel);
   document["fit"] = {{"sigma_um", 0.175}, {"outliers", {3, 4}}};
-  const Model model = parse_model(document.dump(), "model.json", kMachine);
+  const Model model = parse_model(document.dump(), "model.json", kModelled);
   EXPECT_EQ(nlohmann::json::parse(model_text(model))["fit"], document["fit"]);
 }
 
 TEST(ModelFile, WritesNumbersInShortestFormAndListsOnOneLine) {
-  const std::string written = model_text(parse_model(kModel, "model.json", kMachine));
+  const std::string written = model_text(parse_model(kModel, "model.json", kModelled));
   EXPECT_NE(written.find("[0.1, 0.2, -0.3]"), std::string::npos) << written;
 }
 
@@ -56,7 +56,7 @@ TEST(ModelFile, KeepsTheUncertaintyOfAnIdentifiedModel) {
 }
 
 TEST(ModelFile, RefusesTheModelOfAnotherSerialNumber) {
-  Machine other = kMachine;
+  Machine other = kModelled;
   other.serial = "R-9";
   EXPECT_THROW(parse_model(kModel, "model.json", other), RefusalError);
 }

@@ -12,6 +12,7 @@
 #include "model/effects/smooth.h"
 #include "model/model.h"
 #include "support/undeclared_effects.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
@@ -22,7 +23,6 @@ using ::testing::HasSubstr;
 using testing::MachineState;
 using testing::VirtualMachine;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSecondOrder_mm = 2e-8;  // 10 um or 10 urad at 300 mm: products of errors stay below
 
 /// The same machine twice: as the program sees it, and as it really turns.
@@ -63,7 +63,7 @@ const std::vector<std::string> kColumns = {"load_kg", "A_clamped", "B_clamped", 
 
 MachineState state(double tilt_deg, double c_deg, const Vector3d& tip) {
   MachineState s;
-  s.rotary = {tilt_deg * kDegree, tilt_deg * kDegree, c_deg * kDegree};
+  s.rotary = {tilt_deg * kDegree_rad, tilt_deg * kDegree_rad, c_deg * kDegree_rad};
   s.tip_r_mm = tip;
   s.tool_length_mm = 120;
   s.time_s = 500;

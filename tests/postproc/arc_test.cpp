@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr double kBetween_mm = 3e-4;  // tolerance 0.2 um and the rounding of the words
+constexpr double kAlongArc_mm = 3e-4;  // tolerance 0.2 um and the rounding of the words
 
 /// An arc as the test knows it: where it is after the part s.
 struct Way {
@@ -84,8 +84,8 @@ TEST(Arcs, BecomeChainsOfLinesThatFollowThem) {
           testing::PlayedMove at;
           for (std::size_t i = 0; i < 5; ++i) at.at[i] = sent[k].at[i] + s * (sent[k + 1].at[i] - sent[k].at[i]);
           const Miss left = shop.missed(way.at((static_cast<double>(k) - 1 + s) / static_cast<double>(n)), at);
-          ASSERT_LT(left.tip_mm, kBetween_mm) << way.block << " piece " << k << " of " << n << "\n"
-                                              << out.substr(0, 500);
+          ASSERT_LT(left.tip_mm, kAlongArc_mm) << way.block << " piece " << k << " of " << n << "\n"
+                                               << out.substr(0, 500);
           ASSERT_LT(left.axis_rad, 8e-6) << way.block;
         }
       }

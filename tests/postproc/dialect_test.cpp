@@ -9,9 +9,9 @@
 namespace trunnion {
 namespace {
 
-constexpr double kTip_mm = 2.2e-4;      // 0.2 um and what four decimals leave
-constexpr double kBetween_mm = 3.2e-4;  // the tolerance and the rounding of both ends
-constexpr double kAxis_rad = 8e-6;      // beyond 5 deg of tilt
+constexpr double kWrittenTip_mm = 2.2e-4;  // 0.2 um and what four decimals leave
+constexpr double kBetween_mm = 3.2e-4;     // the tolerance and the rounding of both ends
+constexpr double kWrittenAxis_rad = 8e-6;  // beyond 5 deg of tilt
 
 Shop shop_of(const std::string& dialect, double scale = 1, const std::string& structure = "w C' A' Y' b X Z t") {
   Shop shop(structure, scale);
@@ -97,8 +97,8 @@ void expect_on_its_path(const Shop& shop, std::string_view program, const std::s
   double before = 0;
   for (const PlayedPair& pair : pairs) {
     const Miss left = missed(shop, pair, true);
-    EXPECT_LT(left.tip_mm, pair.part == 1 ? kTip_mm : kBetween_mm) << pair.line << " " << pair.part;
-    EXPECT_TRUE(indexed || left.axis_rad < kAxis_rad) << left.axis_rad << " " << pair.line << " " << pair.part;
+    EXPECT_LT(left.tip_mm, pair.part == 1 ? kWrittenTip_mm : kBetween_mm) << pair.line << " " << pair.part;
+    EXPECT_TRUE(indexed || left.axis_rad < kWrittenAxis_rad) << left.axis_rad << " " << pair.line << " " << pair.part;
     before = std::max(before, missed(shop, pair, false).tip_mm);
   }
   EXPECT_GT(before, 0.005);

@@ -10,9 +10,9 @@ namespace trunnion::testing {
 namespace {
 
 using Field = std::function<std::optional<std::string>(const ObservationRow&)>;
-using Columns = std::vector<std::pair<std::string, Field>>;
+using Fields = std::vector<std::pair<std::string, Field>>;
 
-void add_vector(Columns& columns, const std::vector<std::string>& names,
+void add_vector(Fields& columns, const std::vector<std::string>& names,
                 const std::function<std::optional<double>(const ObservationRow&, int)>& component,
                 std::optional<int> decimals) {
   for (std::size_t i = 0; i < names.size(); ++i)
@@ -46,8 +46,8 @@ Field text_of(std::string ObservationRow::*member) {
   };
 }
 
-Columns all_columns(const std::vector<ObservationRow>& rows, std::optional<int> decimals, char tilt_axis) {
-  Columns columns;
+Fields all_columns(const std::vector<ObservationRow>& rows, std::optional<int> decimals, char tilt_axis) {
+  Fields columns;
   if (std::any_of(rows.begin(), rows.end(), [](const ObservationRow& row) { return row.kind != "contact"; }))
     columns.emplace_back("kind", text_of(&ObservationRow::kind));
   const std::string tilt(1, tilt_axis);
@@ -95,7 +95,7 @@ std::string csv_number(double value, std::optional<int> decimals) {
 }
 
 std::string csv(const std::vector<ObservationRow>& rows, std::optional<int> decimals, char tilt_axis) {
-  Columns columns = all_columns(rows, decimals, tilt_axis);
+  Fields columns = all_columns(rows, decimals, tilt_axis);
   std::erase_if(columns, [&rows](const auto& column) {
     return std::none_of(rows.begin(), rows.end(),
                         [&](const ObservationRow& row) { return column.second(row).has_value(); });

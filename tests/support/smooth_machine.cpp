@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kPerDegree = std::numbers::pi / 180;
 
 char tilt_letter(const VirtualMachine& machine) {
   for (const auto* side : {&machine.workpiece_axes, &machine.tool_axes})
@@ -95,7 +95,7 @@ GaugedMaps gauged_maps(const VirtualMachine& machine, const std::vector<double>&
     maps.tilt.push_back({mean.translation_mm + mean.rotation_rad.cross(tilt_axis.origin_mm), mean.rotation_rad});
 
     const Eigen::Isometry3d tilted = Eigen::Translation3d(tilt_axis.origin_mm) *
-                                     Eigen::AngleAxisd(tilt * kDegree, tilt_axis.direction.normalized()) *
+                                     Eigen::AngleAxisd(tilt * kPerDegree, tilt_axis.direction.normalized()) *
                                      Eigen::Translation3d(-tilt_axis.origin_mm);
     const Vector3d C_origin = tilted * C_axis.origin_mm;
     for (std::size_t j = 0; j < C_deg.size(); ++j) {

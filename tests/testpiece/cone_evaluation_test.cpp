@@ -4,15 +4,14 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "error.h"
 #include "testpiece/flank_fit.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 const Angle kHalfAngle = Angle::degrees(15);
 
 /// Traces of a cone of 80 mm base whose deviation is `normal_mm(phi, h)`.
@@ -21,7 +20,7 @@ std::vector<ConeTrace> traces(const std::vector<double>& heights, auto normal_mm
   for (const double h : heights) {
     ConeTrace trace{.h_mm = h, .nominal_radius_mm = 40 - h * std::tan(kHalfAngle.in_radians())};
     for (int i = 0; i < 360; ++i) {
-      trace.phi_rad.push_back(kTurn * i / 360);
+      trace.phi_rad.push_back(kTurn_rad * i / 360);
       trace.normal_mm.push_back(normal_mm(trace.phi_rad.back(), h));
     }
     list.push_back(trace);

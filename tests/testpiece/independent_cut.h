@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include "support/brute_force_cut.h"
 #include "testpiece/machining.h"
+#include "units/angle.h"
 
 namespace trunnion {
 
@@ -26,7 +26,6 @@ template <class Prepare>
 std::vector<double> cut_by_brute_force(const testing::VirtualMachine& machine, const TestPiece& piece,
                                        const SurfaceGrid& surface, const std::vector<ToolPosition>& path,
                                        Prepare prepare) {
-  constexpr double kTurn = 2 * std::numbers::pi;
   std::vector<testing::ToolInWorkpiece> tools;
   for (const ToolPosition& p : path) {
     testing::MachineState state = state_of(p, piece);
@@ -40,7 +39,7 @@ std::vector<double> cut_by_brute_force(const testing::VirtualMachine& machine, c
     const double phi = surface.phi_rad[i % surface.phi_rad.size()];
     std::vector<testing::ToolInWorkpiece> near;
     for (std::size_t j = 0; j < tools.size(); ++j)
-      if (std::abs(std::remainder(path[j].phi_rad - phi, kTurn)) < kTurn / 60) near.push_back(tools[j]);
+      if (std::abs(std::remainder(path[j].phi_rad - phi, kTurn_rad)) < kTurn_rad / 60) near.push_back(tools[j]);
     left.push_back(testing::material_left_mm(cutter, near, surface.points[i].point_w_mm, surface.points[i].normal_w));
   }
   return left;

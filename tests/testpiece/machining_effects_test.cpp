@@ -12,7 +12,7 @@ namespace {
 
 using testing::VirtualMachine;
 
-constexpr double kIndependent_mm = 0.05e-3;
+constexpr double kAgreement_mm = 0.05e-3;
 constexpr double kSeen_mm = 0.2e-3;  // a case that cuts no more than this says nothing
 
 /// Every effect of the machine, with its senses of motion, its time and its covariates, is cut into the piece as an
@@ -45,7 +45,7 @@ TEST(MachiningEffects, AreCutAsTheExactMachineCutsThem) {
       most = std::max(most, std::abs(cut[i]));
       apart = std::max(apart, std::abs(cut[i] - predicted[i]));
     }
-    EXPECT_LT(apart, kIndependent_mm) << told.entry["id"];
+    EXPECT_LT(apart, kAgreement_mm) << told.entry["id"];
     EXPECT_GT(most, kSeen_mm) << told.entry["id"];
   }
 }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "error.h"
 #include "model/effects/rotary_error_map.h"
@@ -12,6 +11,7 @@
 #include "testpiece/function_effect.h"
 #include "testpiece/independent_cut.h"
 #include "testpiece/pieces.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
@@ -19,7 +19,6 @@ namespace {
 constexpr double kZero_mm = 1e-9;       // 1e-6 um: nothing wrong, nothing seen
 constexpr double kSmooth_mm = 0.02e-3;  // what first order may leave of smooth errors
 constexpr double kIndependent_mm = 0.05e-3;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 struct Setting {
   TestPiece piece;

@@ -17,12 +17,12 @@ namespace {
 
 constexpr double kFirstOrder_mm = 0.06e-3;  // 0.05 um of the cut, and what first order leaves of errors of some um
 
-struct Cut {
+struct ObservedCut {
   TestPiece piece;
   KinematicChain chain{trunnion_machine()};
   std::vector<ToolPosition> path;
   SurfaceGrid surface;
-  explicit Cut(TestPiece p) : piece(std::move(p)) {
+  explicit ObservedCut(TestPiece p) : piece(std::move(p)) {
     path = flank_milling_path(piece, chain, {.steps_per_turn = 1800});
     surface = evaluated_surface(piece);
   }
@@ -52,7 +52,7 @@ Eigen::MatrixXd unknown_columns(const LinearProblem& problem) {
 
 /// Each reading is what the effect says it is in its situation: senses of motion, time, covariates.
 TEST(PieceObservations, AreLinearInEveryEffectOfTheMachine) {
-  const Cut cut(leaning_piece(48));
+  const ObservedCut cut(leaning_piece(48));
   const std::vector<std::string> names = {"load_kg", "A_clamped"};
   const std::vector<double> values = {20, 1};
   const Situation known{.temperature_C = 22, .extra = {&names, values.data()}};
@@ -85,7 +85,7 @@ TEST(PieceObservations, SetUpAndSizeAreUnknownsAsFarAsTheShapeShowsThem) {
   for (const auto& [half_angle, shown] : {std::pair{15.0, 5}, {0.0, 5}}) {
     TestPiece piece = leaning_piece(72);
     piece.cone.half_angle = Angle::degrees(half_angle);
-    const Cut cut(piece);
+    const ObservedCut cut(piece);
     testing::Noise noise(2);
     const MeasuredPiece found = measured(
         cut.surface, std::vector<double>(cut.surface.points.size(), 0.0),
@@ -105,7 +105,7 @@ TEST(PieceObservations, SetUpAndSizeAreUnknownsAsFarAsTheShapeShowsThem) {
 }
 
 TEST(PieceObservations, StandBesideTheProbingInStretchesOfTheirOwn) {
-  const Cut cut(leaning_piece(72));
+  const ObservedCut cut(leaning_piece(72));
   testing::Noise noise(3);
   MeasuredPiece found =
       measured(cut.surface, std::vector<double>(cut.surface.points.size(), 0.0), {.sigma_mm = 0.2e-3}, noise);
@@ -139,7 +139,7 @@ TEST(PieceObservations, StandBesideTheProbingInStretchesOfTheirOwn) {
 }
 
 TEST(PieceObservations, LeaveOutWhatAReversalHasPartIn) {
-  const Cut cut(leaning_piece(360));
+  const ObservedCut cut(leaning_piece(360));
   testing::Noise noise(4);
   const MeasuredPiece found =
       measured(cut.surface, std::vector<double>(cut.surface.points.size(), 0.0), {.sigma_mm = 0.2e-3}, noise);
@@ -157,7 +157,7 @@ TEST(PieceObservations, LeaveOutWhatAReversalHasPartIn) {
 }
 
 TEST(PieceObservations, WantNoiseThatCanBeTold) {
-  const Cut cut(leaning_piece(48));
+  const ObservedCut cut(leaning_piece(48));
   testing::Noise noise(5);
   MeasuredPiece found = measured(cut.surface, std::vector<double>(cut.surface.points.size(), 0.0), {}, noise);
   EXPECT_THROW(cut.observed(found), InputError);

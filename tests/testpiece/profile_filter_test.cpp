@@ -6,16 +6,15 @@
 #include <numbers>
 
 #include "error.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 RoundnessTrace wave(int k, std::size_t points = 720) {
   RoundnessTrace trace{.nominal_radius_mm = 40};
   for (std::size_t i = 0; i < points; ++i) {
-    trace.phi_rad.push_back(kTurn * static_cast<double>(i) / static_cast<double>(points));
+    trace.phi_rad.push_back(kTurn_rad * static_cast<double>(i) / static_cast<double>(points));
     trace.radial_mm.push_back(std::cos(k * trace.phi_rad.back() - 0.7));
   }
   return trace;

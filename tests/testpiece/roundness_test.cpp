@@ -8,17 +8,17 @@
 
 #include "error.h"
 #include "support/noise.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
 constexpr double kRounding_mm = 1e-12;  // far above double rounding on 40 mm, far below any measurement
-constexpr double kTurn = 2 * std::numbers::pi;
 
 RoundnessTrace even_trace(std::size_t points, double radius_mm, auto radial_mm) {
   RoundnessTrace trace{.nominal_radius_mm = radius_mm};
   for (std::size_t i = 0; i < points; ++i) {
-    const double phi = kTurn * static_cast<double>(i) / static_cast<double>(points);
+    const double phi = kTurn_rad * static_cast<double>(i) / static_cast<double>(points);
     trace.phi_rad.push_back(phi);
     trace.radial_mm.push_back(radial_mm(phi));
   }
@@ -79,7 +79,8 @@ double least_by_search(const auto& value, Eigen::Vector2d at, double step) {
   while (step > 1e-13) {
     bool moved = false;
     for (int k = 0; k < 64; ++k) {
-      const Eigen::Vector2d to = at + step * Eigen::Vector2d(std::cos(kTurn * k / 64), std::sin(kTurn * k / 64));
+      const Eigen::Vector2d to =
+          at + step * Eigen::Vector2d(std::cos(kTurn_rad * k / 64), std::sin(kTurn_rad * k / 64));
       if (const double v = value(to); v < best) best = v, at = to, moved = true;
     }
     if (!moved) step /= 2;
@@ -153,7 +154,7 @@ TEST(Roundness, CirclesOrderAsTheirDefinitionsSay) {
 TEST(Roundness, OrderAndSpacingOfThePointsDoNotMatter) {
   RoundnessTrace trace = rough_trace(7, 240), shuffled{.nominal_radius_mm = trace.nominal_radius_mm};
   for (std::size_t i = 0; i < 240; ++i) {
-    shuffled.phi_rad.push_back(trace.phi_rad[(i * 77) % 240] - 3 * kTurn);
+    shuffled.phi_rad.push_back(trace.phi_rad[(i * 77) % 240] - 3 * kTurn_rad);
     shuffled.radial_mm.push_back(trace.radial_mm[(i * 77) % 240]);
   }
   EXPECT_NEAR(minimum_zone_circle(shuffled).roundness_mm, minimum_zone_circle(trace).roundness_mm, kRounding_mm);

@@ -3,21 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "error.h"
 #include "testpiece/pieces.h"
+#include "units/angle.h"
 
 namespace trunnion {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kPrinted_mm = 0.6e-5;  // published positions carry five decimals
 constexpr double kPrinted_deg = 0.6e-5;
 
 const ToolPosition& at_phi(const std::vector<ToolPosition>& path, double phi_deg) {
   for (const ToolPosition& p : path)
-    if (std::abs(p.phi_rad - phi_deg * kTurn / 360) < 1e-9) return p;
+    if (std::abs(p.phi_rad - phi_deg * kTurn_rad / 360) < 1e-9) return p;
   throw std::logic_error("no position at that phi");
 }
 
@@ -78,7 +77,8 @@ TEST(FlankMillingPath, SwingsCBackAndForthWhereTheTiltIsAboveTheHalfAngle) {
   const Extent e = extent(flank_milling_path(usual_piece(15, 30), KinematicChain(trunnion_machine())));
   EXPECT_NEAR(e.c_last, e.c_first, 1e-9);
   // The rulings lie within asin(sin 15 / sin 30) of the axis, seen along Z.
-  EXPECT_NEAR(e.c_high - e.c_low, 2 * std::asin(std::sin(kTurn / 24) / std::sin(kTurn / 12)) * 360 / kTurn, 0.01);
+  EXPECT_NEAR(e.c_high - e.c_low, 2 * std::asin(std::sin(kTurn_rad / 24) / std::sin(kTurn_rad / 12)) * 360 / kTurn_rad,
+              0.01);
   EXPECT_NEAR(e.a_high, -15, 1e-9);
   EXPECT_NEAR(e.a_low, -45, 1e-9);
 }
@@ -124,7 +124,7 @@ TEST(FlankMillingPath, ComesBackToTheSameToolInEveryPlaceAndSense) {
       EXPECT_LT((r_from_w.linear() * p.nominal.axis_w - Eigen::Vector3d::UnitZ()).norm(), 1e-11);
       EXPECT_LE(p.at.a.in_degrees(), 0);
     }
-    EXPECT_NEAR(path.back().phi_rad, sense * kTurn, 1e-12);
+    EXPECT_NEAR(path.back().phi_rad, sense * kTurn_rad, 1e-12);
     EXPECT_LT((path.back().nominal.tip_w_mm - path.front().nominal.tip_w_mm).norm(), 1e-12);
     EXPECT_EQ(path[1].turn_sense, -sense);  // the table turns against the cut
   }
@@ -183,8 +183,8 @@ TEST(ConeFrustum, PhiRunsFromThePartOfXSquareToTheAxis) {
   const Eigen::Isometry3d frame = w_from_cone(cone);
   EXPECT_NEAR(frame.linear().determinant(), 1, 1e-15);
   const Eigen::Vector3d axis = frame.linear().col(2);
-  EXPECT_NEAR(axis.z(), std::cos(kTurn / 12), 1e-15);
-  EXPECT_NEAR(std::atan2(axis.y(), axis.x()), 37 * kTurn / 360, 1e-15);
+  EXPECT_NEAR(axis.z(), std::cos(kTurn_rad / 12), 1e-15);
+  EXPECT_NEAR(std::atan2(axis.y(), axis.x()), 37 * kTurn_rad / 360, 1e-15);
   EXPECT_NEAR(frame.linear().col(0).cross(Eigen::Vector3d(1, 0, 0) - axis.x() * axis).norm(), 0, 1e-15);
   EXPECT_GT(frame.linear()(0, 0), 0);
   EXPECT_NEAR(frame.linear()(0, 1), 0, 1e-15);  // square to X

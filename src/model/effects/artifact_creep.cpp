@@ -30,7 +30,7 @@ Formula artifact_creep(const std::string& detail, double time_constant_s, const 
   return formula;
 }
 
-std::vector<EffectPtr> candidates(const CandidateScope& scope) {
+std::vector<EffectPtr> creeps(const CandidateScope& scope) {
   std::vector<EffectPtr> found;
   const std::optional<Spread> time = spread(scope, "time_s");
   if (!time) return found;
@@ -49,7 +49,7 @@ Family artifact_creep_family() {
       .name = "artifact_creep",
       .what = "a probed body relaxes slowly in its clamp",
       .remedy = "the body's spots at the reference pose several times over, with time_s recorded",
-      .candidates = candidates,
+      .candidates = creeps,
       .read = [](const std::string& detail, const nlohmann::json& json, const EffectContext& context) -> EffectPtr {
         return make_effect(artifact_creep(detail, 600, context), json);
       },

@@ -43,7 +43,7 @@ std::vector<double> visits(const CandidateScope& scope, std::string_view label) 
   return moments;
 }
 
-std::vector<EffectPtr> candidates(const CandidateScope& scope) {
+std::vector<EffectPtr> slips(const CandidateScope& scope) {
   std::vector<EffectPtr> found;
   std::vector<std::string> labels = scope.artifacts;
   if (labels.size() != 1) labels.emplace_back(kAllArtifacts);
@@ -64,7 +64,7 @@ Family artifact_slip_family() {
       .name = "artifact_slip",
       .what = "a probed body moved on the table at one moment",
       .remedy = "the body's spots at the reference pose once more",
-      .candidates = candidates,
+      .candidates = slips,
       .read = [](const std::string& detail, const nlohmann::json& json, const EffectContext& context) -> EffectPtr {
         return make_effect(artifact_slip(detail, 0, context), json);
       },

@@ -9,6 +9,7 @@
 #include "error.h"
 #include "geometric_errors/symbol.h"
 #include "model/effects/families.h"
+#include "model/json_value.h"
 
 namespace trunnion {
 
@@ -37,18 +38,6 @@ json packed(const Eigen::MatrixXd& covariance) {
     for (Eigen::Index c = 0; c <= r; ++c)
       entries.push_back(rounded(to_unit(to_unit(covariance(r, c), coefficient_unit(r)), coefficient_unit(c))));
   return entries;
-}
-
-double number(const json& j, const std::string& where) {
-  if (!j.is_number()) throw ModelError(where + ": " + j.dump() + " found, a number is wanted");
-  const double value = j.get<double>();
-  if (!std::isfinite(value)) throw ModelError(where + ": " + j.dump() + " found, a finite number is wanted");
-  return value;
-}
-
-const json& member(const json& j, const char* key, const std::string& where) {
-  if (!j.is_object() || !j.contains(key)) throw ModelError(where + ": \"" + key + "\" is missing");
-  return j[key];
 }
 
 Eigen::MatrixXd unpacked(const json& entries, Eigen::Index n, const std::string& where) {
