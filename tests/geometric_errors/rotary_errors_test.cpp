@@ -2,12 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <map>
 
+#include "linear_algebra/factors.h"
 #include "support/noise.h"
 #include "support/probing_plan.h"
 #include "support/replica.h"
@@ -187,8 +185,7 @@ Eigen::MatrixXd constants_design(const KinematicChain& chain) {
 }
 
 TEST(RotaryErrors, TwelveConstantsHaveRankEight) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(constants_design(KinematicChain(twin("w C' A' Y' b X Z t").machine)));
-  const Eigen::VectorXd s = svd.singularValues();
+  const Eigen::VectorXd s = singular_values(constants_design(KinematicChain(twin("w C' A' Y' b X Z t").machine))).s;
   EXPECT_GT(s[7], 3);
   EXPECT_LT(s[8], 1e-13);
   // Singular values 9.8 9.8 9.6 9.6 3.7 3.7 3.1 3.1 0 0 0 0.
@@ -201,7 +198,7 @@ TEST(RotaryErrors, TwelveConstantsHaveRankEightOnEveryTableMachine) {
     if (!both.exact.tool_axes.empty()) continue;
     Eigen::MatrixXd w = constants_design(KinematicChain(both.machine));
     w.middleCols<3>(3) /= 100, w.middleCols<3>(9) /= 100;  // angles at a lever of 0.1 m
-    EXPECT_EQ(Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(w).setThreshold(1e-9).rank(), 8) << name;
+    EXPECT_EQ(orthonormal_columns(w, 1e-9).cols(), 8) << name;
   }
 }
 
@@ -256,13 +253,12 @@ TEST(RotaryErrors, TheJointDesignOfTheReplicaHasFullRank) {
   const JointDesign design = replica_design();
   EXPECT_EQ(design.x.rows(), 219);
   EXPECT_EQ(design.x.cols(), 153);
-  EXPECT_EQ(Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(design.x).setThreshold(1e-9).rank(), 153);
+  EXPECT_EQ(orthonormal_columns(design.x, 1e-9).cols(), 153);
 }
 
 TEST(RotaryErrors, WhatIsRigidWithinAPoseCannotBeSeenBesideFreePoses) {
   const JointDesign design = replica_design();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(design.x);
-  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(design.x.rows(), design.x.cols());
+  const Eigen::MatrixXd q = orthonormal_columns(design.x, 1e-9);
   const auto visible = [&](auto value) {
     Eigen::VectorXd z(design.x.rows());
     for (std::size_t r = 0; r < design.p.size(); ++r)

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "linear_algebra/factors.h"
 #include "support/replica.h"
 #include "support/smooth_machine.h"
 #include "support/undeclared_draw.h"
@@ -72,9 +72,8 @@ TEST(ProbingPlan, TouchesComeFromAboveOrFromTheSide) {
 TEST(ProbingPlan, ReplicaDeterminesAllPosesAsWellAsThePublishedPlan) {
   const MatrixXd design = joint_design(replica_plan());
   ASSERT_EQ(design.cols(), 153);
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(design);
-  EXPECT_EQ(qr.rank(), 153);
-  const MatrixXd covariance = (design.transpose() * design).inverse() * .175 * .175;
+  EXPECT_EQ(orthonormal_columns(design, 1e-12).cols(), 153);
+  const MatrixXd covariance = Cholesky(design.transpose() * design).inverse() * .175 * .175;
   const double wanted[] = {.236, .207, .212, 1.94, 1.55, 1.58};  // um and urad
   for (int k = 0; k < 6; ++k) {
     double mean_square = 0;
@@ -87,7 +86,7 @@ TEST(ProbingPlan, ReplicaDeterminesAllPosesAsWellAsThePublishedPlan) {
 TEST(ProbingPlan, ReplicaIsBlindToWhatIsRigidWithinAPose) {
   const ProbingPlan plan = replica_plan();
   const MatrixXd design = joint_design(plan);
-  const Eigen::HouseholderQR<MatrixXd> qr(design);
+  const MatrixXd seen = orthonormal_columns(design, 1e-12);
   const auto visible = [&](auto&& column_of) {
     VectorXd z(design.rows());
     for (std::size_t i = 0; i < plan.touches.size(); ++i) {
@@ -96,8 +95,7 @@ TEST(ProbingPlan, ReplicaIsBlindToWhatIsRigidWithinAPose) {
       const Face& face = plan.faces[touch.face];
       z[static_cast<Eigen::Index>(i)] = column_of(kPerfect.approach_r(face, q), kPerfect.nominal_contact_r_mm(face, q));
     }
-    VectorXd turned = qr.householderQ().transpose() * z;
-    return turned.tail(design.rows() - design.cols()).norm() / z.norm();
+    return (z - seen * (seen.transpose() * z)).norm() / z.norm();
   };
   EXPECT_LT(visible([](const Vector3d& n, const Vector3d& p) { return n.dot(p); }), 1e-12);
   EXPECT_LT(visible([](const Vector3d& n, const Vector3d&) { return n.z() * n.z(); }), 1e-12);
@@ -207,7 +205,7 @@ TEST(Probe, ReadingsOfASmoothMachineLeadBackToItsPoseErrors) {
     readings[static_cast<Eigen::Index>(i)] =
         rows[i].n->dot(*rows[i].xyz_mm - kPerfect.nominal_contact_r_mm(plan.faces[plan.touches[i].face], q));
   }
-  const VectorXd found = joint_design(plan).colPivHouseholderQr().solve(readings);
+  const VectorXd found = LeastSquares(joint_design(plan)).solve(readings);
   const GaugedMaps truth = gauged_maps(machine, {0, -30, -60, -90}, {0, 60, 120, 180, 240, 300});
   std::set<std::pair<double, double>> seen;
   Eigen::Index pose = 0;
