@@ -14,7 +14,7 @@ TEST(PathTrace, KeepsAShortProgramLineByLine) {
   trace.add(at_line(3, 0.001));
   trace.add(at_line(3, 0.002));
   trace.add(at_line(5, 0.001));
-  EXPECT_THAT(trace.stretches(), testing::ElementsAre(at_line(3, 0.002), at_line(5, 0.001)));
+  EXPECT_THAT(trace.stretches(), ::testing::ElementsAre(at_line(3, 0.002), at_line(5, 0.001)));
   EXPECT_EQ(trace.lines_per_stretch(), 1u);
 }
 
