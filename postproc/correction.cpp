@@ -212,6 +212,8 @@ Situation Corrector::situation(const Commanded& programmed, IndexedPosition posi
   situation.point_r_mm = tip_r_mm;
   situation.tilt_sense = programmed.tilt_sense;
   situation.turn_sense = programmed.turn_sense;
+  for (std::size_t i = 0; i < 3; ++i) situation.linear_sense[static_cast<Eigen::Index>(i)] = programmed.linear_sense[i];
+  situation.time_s = programmed.time_s;
   situation.tool_length_mm = settings_.tool_length_mm;
   return situation;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
 #include <optional>
 
 #include "geometric_errors/pose_error.h"
@@ -18,6 +20,8 @@ class ErrorField {
  public:
   virtual ~ErrorField() = default;
   virtual PoseError at(const Situation& situation) const = 0;
+  /// The same, never by a faster image of it: for judging.
+  virtual PoseError exactly_at(const Situation& situation) const { return at(situation); }
   /// The same with its derivatives by A and C, per rad; here by differences.
   struct Slopes {
     PoseError error;
@@ -42,6 +46,8 @@ struct Commanded {
   IndexedPosition rotary;
   int tilt_sense = 1;  ///< sense of the last motion of either rotary axis
   int turn_sense = 1;
+  std::array<std::int8_t, 3> linear_sense{};  ///< of the slides; 0: not known
+  double time_s = 0;                          ///< since the program's begin
 };
 
 struct CorrectionSettings {
@@ -73,6 +79,7 @@ class Corrector {
 
   const CorrectionSettings& settings() const { return settings_; }
   const KinematicChain& chain() const { return chain_; }
+  const ErrorField& field() const { return field_; }
   /// The tilts that the field knows.
   Range<Angle> tilt_range() const { return field_.tilt_range(); }
 

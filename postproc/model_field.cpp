@@ -53,9 +53,12 @@ ErrorField::Slopes ModelField::with_slopes(const Situation& situation) const {
 }
 
 PoseError ModelField::at(const Situation& situation) const {
-  if (baked_) return baked_->at(situation.at);
+  return baked_ ? baked_->at(situation.at) : exactly_at(situation);
+}
+
+PoseError ModelField::exactly_at(const Situation& situation) const {
   Situation full = situation;
-  full.time_s = time_s_;
+  full.time_s += time_s_;
   full.temperature_C = temperature_C_;
   full.extra = {&names_, values_.data()};
   return relative_error(model_, full);

@@ -10,13 +10,14 @@
 namespace trunnion {
 
 /// The machine's effects of a model as an ErrorField, covariates held at given values (those not given stand at their
-/// zero).
+/// zero); time counts from the one given.
 class ModelField : public ErrorField {
  public:
   /// `model` must outlive it. `stroke`: the tilts to admit where the model holds no rotary error map.
   ModelField(const Model& model, const std::map<std::string, double>& covariates, Range<Angle> stroke);
 
   PoseError at(const Situation& situation) const override;
+  PoseError exactly_at(const Situation& situation) const override;
   Slopes with_slopes(const Situation& situation) const override;
   Range<Angle> tilt_range() const override { return range_; }
 

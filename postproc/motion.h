@@ -126,6 +126,8 @@ struct BlockFacts {
   bool changes_modes = false;      ///< it says more than motion, feed and words: units, offsets, distance mode
   AxisSet raw_since = 0;           ///< axes that copied blocks have put elsewhere since the last corrected block
   std::int8_t tilt_sense = 1, turn_sense = 1;
+  std::array<std::int8_t, 3> linear_sense{};  ///< of the slides' last motions, 0: not known; if the scan follows them
+  double time_s = 0;                          ///< at feed since the program's begin; if the scan follows it
   FeedMode feed_mode = FeedMode::per_minute;
   double unit_mm = 1;
   double feed = 0;          ///< as programmed, in the units of its own block; 0: not known
@@ -156,6 +158,11 @@ struct MotionBlock : BlockFacts {
   const ProgramFrame* frame() const { return extras && extras->frame ? &*extras->frame : nullptr; }
   bool has_feed_word() const { return feed_word.end != 0; }
 };
+
+/// All axes in proportion after the part `s` of a way.
+AxisValues between(const AxisValues& from, const AxisValues& to, double s);
+/// `at` with X Y Z where an arc is after the part `s` of its way; none: as they are.
+AxisValues with_arc(const Arc* arc, AxisValues at, double s);
 
 /// A block that must not be corrected, or cannot be: what stands there and why, for a person.
 struct Refusal {
@@ -201,6 +208,9 @@ struct ScanSettings {
   bool modulo_turn = true;                ///< 0 and 360 deg of C are one place
   const KinematicChain* chain = nullptr;  ///< for tool axes told as vectors and tilted planes; must outlive the scan
   std::optional<std::pair<double, double>> tilt_stroke_deg;  ///< of the tilting axis
+  bool follow_senses = false;                                ///< of X Y Z, where errors depend on them
+  bool follow_time = false;                                  ///< likewise
+  double tool_length_mm = 0;                                 ///< matters where the slides' senses are followed
 };
 
 /// The serial pass over a program: follows the modal state of one dialect and tells which words a correction may

@@ -40,29 +40,26 @@ IndexedPosition on_great_circle(const KinematicChain& chain, IndexedPosition fro
   return nearest;
 }
 
-AxisValues between(const AxisValues& from, const AxisValues& to, double s) {
-  AxisValues at;
-  for (std::size_t i = 0; i < kAxes; ++i) at[i] = s >= 1 ? to[i] : from[i] + s * (to[i] - from[i]);
-  return at;
-}
-
-/// `at` with X Y Z where an arc is after the part `s` of its way.
-AxisValues with_arc(const Arc* arc, AxisValues at, double s) {
-  if (arc == nullptr || s >= 1) return at;
-  const double angle = s * arc->sweep_rad;
-  const Vector3d place = arc->centre +
-                         (1 + s * arc->growth) * (std::cos(angle) * arc->along + std::sin(angle) * arc->across) +
-                         s * arc->rise;
-  for (std::size_t i = 0; i < 3; ++i) at[i] = place[static_cast<Eigen::Index>(i)];
-  return at;
-}
-
 /// `at` with the rotary axes where their words can say them: the position is then solved for the angles that are
 /// written.
 AxisValues on_grid(const MotionBlock& block, AxisValues at) {
   for (const std::size_t i : {kTilt, kTurn})
     at[i] = block.zero[i] + rounded(at[i] - block.zero[i], block.decimals[i]).value();
   return at;
+}
+
+/// The centre of an arc that keeps its radius and its side while its ends are moved, in the height of its begin; none
+/// where the radius does not reach.
+std::optional<Vector3d> same_radius(const Arc& arc, const Vector3d& at_begin, const Vector3d& at_end,
+                                    const AxisValues& target) {
+  const Vector3d normal = arc.along.cross(arc.across).normalized();
+  const Vector3d begin = arc.centre + arc.along, end(target[0], target[1], target[2]);
+  const auto flat = [&](const Vector3d& v) { return Vector3d(v - normal * normal.dot(v)); };
+  const Vector3d meant = flat(end - begin), moved = flat(end + at_end - begin - at_begin);
+  const double height2 = arc.along.squaredNorm() - 0.25 * moved.squaredNorm();
+  if (height2 < 0) return std::nullopt;
+  const double side = normal.cross(meant).dot(-arc.along - 0.5 * meant) < 0 ? -1 : 1;
+  return begin + at_begin + 0.5 * moved + side * std::sqrt(height2) * normal.cross(moved).normalized();
 }
 
 /// Chords that keep within `tolerance_mm` of an arc, which leaves a tenth of it for the correction's own bend.
@@ -106,7 +103,9 @@ Commanded PathSolver::commanded(const MotionBlock& block, const AxisValues& at) 
   Commanded place{Vector3d(at[0], at[1], at[2]),
                   {Angle::degrees(at[kTilt]), Angle::degrees(at[kTurn])},
                   block.tilt_sense,
-                  block.turn_sense};
+                  block.turn_sense,
+                  block.linear_sense,
+                  block.time_s};
   if (const ProgramFrame* frame = block.frame()) place.xyz_mm = frame->origin_mm + frame->rotation * place.xyz_mm;
   return place;
 }
@@ -263,6 +262,7 @@ std::optional<Eigen::Vector3d> PathSolver::moved_arc(const MotionBlock& block, c
   if (!block.extras->arc_movable && !unmoved) return std::nullopt;
   Vector3d at_begin, at_end, centre;
   bool by_centre = false, equal = true;
+  bool by_radius = block.extras->arc_movable && block.extras->arc_name.empty();
   for (const ArcWord& word : block.extras->arc_word)
     by_centre |= word.tells == ArcWord::Tells::centre || word.tells == ArcWord::Tells::centre_from_begin;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -272,11 +272,18 @@ std::optional<Eigen::Vector3d> PathSolver::moved_arc(const MotionBlock& block, c
     equal &= same_value(before[i], end.ticks[i]);
     centre[axis] = rounded(0.5 * (before[i].value() + end.ticks[i].value()), block.decimals[i]).value() * block.unit_mm;
   }
-  if (!by_centre && !equal) return std::nullopt;
-  // The third axis has no centre.
   const Vector3d normal = meant.along.cross(meant.across).normalized();
   Arc sent = meant;
-  sent.centre += centre - normal * normal.dot(centre - at_begin);
+  if (by_centre || equal) {
+    // The third axis has no centre.
+    sent.centre += centre - normal * normal.dot(centre - at_begin);
+  } else if (by_radius) {
+    const std::optional<Vector3d> round = same_radius(meant, at_begin, at_end, block.target);
+    if (!round) return std::nullopt;
+    sent.centre = *round;
+  } else {
+    return std::nullopt;
+  }
   sent.along += at_begin - (sent.centre - meant.centre);
   sent.across = normal.cross(sent.along);
   sent.rise += normal * normal.dot(at_end - at_begin);

@@ -127,6 +127,7 @@ class PlainIsoPlayer : public PlainPlayer {
     words_ = WordReader(line, siemens_).words();
     machine_ = home_ = used_ = false;
     set_ = 0;
+    const double feed_unit = unit_;
     for (const double g : words_.g) code(g);
     for (const auto& [name, inside] : words_.call) named(name, inside);
     for (const double m : words_.m) {
@@ -134,6 +135,7 @@ class PlainIsoPlayer : public PlainPlayer {
       if (m == 2 || m == 30 || (m == 17 && siemens_)) ended_ = true;
     }
     if (siemens_ && words_.holds("D")) at_[2] = kUnknown;
+    if (words_.holds("F") && !used_) feed_ = {words_.of("F"), feed_unit};
     if (used_) return std::nullopt;
     return moved();
   }
@@ -148,6 +150,7 @@ class PlainIsoPlayer : public PlainPlayer {
     if (n == 190) plane_ = {1, 2, 0};
     if (siemens_ ? n == 700 || n == 7000 : n == 200) unit_ = 25.4;
     if (siemens_ ? n == 710 || n == 7100 : n == 210) unit_ = 1;
+    if (n == 930 || n == 940 || n == 950) feed_mode_ = n / 10;
     if (n == 900 || n == 910) incremental_ = n == 910;
     if (n == 530 || n == 1530) machine_ = true;
     if (n == 280 || n == 300 || n == 740 || n == 750) home_ = siemens_ ? n > 700 : n < 700;
@@ -323,6 +326,14 @@ class PlainIsoPlayer : public PlainPlayer {
       move.frame_origin_mm = frame->translation();
     }
     if (motion_ >= 2) make_arc(move);
+    if (move.feed && move.begins_known() && feed_[0] > 0) {
+      const double unit = move.way() == 0 || move.to[0] != move.from[0] || move.to[1] != move.from[1] ||
+                                  move.to[2] != move.from[2] || move.arc
+                              ? feed_[1]
+                              : 1;
+      if (feed_mode_ == 93) move.seconds = words_.holds("F") ? 60 / feed_[0] : 0;
+      if (feed_mode_ == 94) move.seconds = 60 * move.way() / (feed_[0] * unit);
+    }
     tangent_ = move.arc ? Vector3d((std::cos(move.sweep_rad) * move.across - std::sin(move.sweep_rad) * move.along) *
                                    (move.sweep_rad < 0 ? -1 : 1))
                         : Vector3d(move.to[0] - move.from[0], move.to[1] - move.from[1], move.to[2] - move.from[2]);
@@ -411,6 +422,8 @@ class PlainIsoPlayer : public PlainPlayer {
   AxisValues at_{}, shift_{}, kept_{}, outside_{};
   int motion_ = 1, percents_ = 0;
   double unit_ = 1;
+  std::array<double, 2> feed_{};  // F and its unit
+  int feed_mode_ = 94;
   bool great_circle_ = false, incremental_ = false, absolute_centre_ = false, ended_ = false;
   std::array<std::size_t, 3> plane_{0, 1, 2};
   std::optional<Eigen::Isometry3d> tip_frame_, plane_frame_, none_;

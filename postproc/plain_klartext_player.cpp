@@ -242,6 +242,10 @@ class PlainKlartextPlayer : public PlainPlayer {
     }
     for (const double place : move.to)
       if (std::isnan(place)) return std::nullopt;
+    if (w.holds("F")) feed_ = w.of("F");
+    const bool straight = move.to[0] != move.from[0] || move.to[1] != move.from[1] || move.to[2] != move.from[2];
+    if (move.feed && move.begins_known() && feed_ > 0)
+      move.seconds = 60 * move.way() / (feed_ * (unit_ == 1 || !(straight || move.arc) ? 1 : 2.54));
     return move;
   }
 
@@ -283,7 +287,7 @@ class PlainKlartextPlayer : public PlainPlayer {
 
   ScanSettings settings_;
   bool tcp_, shortest_ = false, ended_ = false, great_circle_ = false;
-  double unit_ = 1, sense_ = 0;
+  double unit_ = 1, sense_ = 0, feed_ = 0;
   std::array<double, 3> offset_{}, pole_{};
   AxisValues at_{}, shift_{}, outside_{};
   std::array<std::size_t, 3> plane_{0, 1, 2};

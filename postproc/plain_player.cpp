@@ -12,6 +12,13 @@ bool PlayedMove::begins_known() const {
   return true;
 }
 
+double PlayedMove::way() const {
+  const Vector3d straight(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  if (arc) return std::hypot(sweep_rad * along.norm(), straight.dot(along.cross(across).normalized()));
+  if (straight.norm() > 0) return straight.norm();
+  return std::hypot(to[kTilt] - from[kTilt], to[kTurn] - from[kTurn]);
+}
+
 /// The angles of `place`, in proportion so far, where the tool axis turns about the normal of both directions.
 void PlayedMove::turn_in_one_plane(AxisValues& place, double s, const KinematicChain& chain) const {
   const auto axis_at = [&](const AxisValues& at) {

@@ -20,11 +20,15 @@ struct PlayedMove {
   bool arc = false;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(), along = Eigen::Vector3d::Zero(), across = Eigen::Vector3d::Zero();
   double sweep_rad = 0;
-  int tilt_sense = 1, turn_sense = 1;  ///< of the last motion of either rotary axis
+  double seconds = 0;                         ///< at feed, 0 where it is not known
+  int tilt_sense = 1, turn_sense = 1;         ///< of the last motion of either rotary axis
+  std::array<std::int8_t, 3> linear_sense{};  ///< of the slides, 0 where not known
 
   bool begins_known() const;
   /// X Y Z of W or R, A and C after the part `s` of the way.
   AxisValues at(double s, const KinematicChain* chain) const;
+  /// Millimetres, or degrees where X Y Z stand still.
+  double way() const;
 
  private:
   void turn_in_one_plane(AxisValues& place, double s, const KinematicChain& chain) const;

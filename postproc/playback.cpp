@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "geometric_errors/pose_error.h"
 #include "postproc/plain_player.h"
 
 namespace trunnion {
@@ -35,21 +36,74 @@ class Lines {
 };
 
 /// The senses are those that the program means: a correction's own steps are smaller than any backlash.
-Commanded commanded(const AxisValues& at, const PlayedMove& meant) {
+Commanded commanded(const AxisValues& at, const PlayedMove& meant, double time_s) {
   return {Eigen::Vector3d(at[0], at[1], at[2]),
           {Angle::degrees(at[kTilt]), Angle::degrees(at[kTurn])},
           meant.tilt_sense,
-          meant.turn_sense};
+          meant.turn_sense,
+          meant.linear_sense,
+          time_s};
 }
 
-/// In which sense the rotary axes moved last.
+/// The machine as its model tells it, played by the plain transforms: nothing of how a correction is found.
+class PlayedMachine {
+ public:
+  PlayedMachine(const KinematicChain& chain, const ErrorField& field, double tool_length_mm)
+      : chain_(chain), field_(field), tool_(0, 0, -tool_length_mm), tool_length_mm_(tool_length_mm) {}
+
+  const KinematicChain& chain() const { return chain_; }
+
+  /// Where the slides carry the spindle's reference, in R.
+  Eigen::Vector3d slides_mm(const Commanded& at, bool tcp) const {
+    return tip_r(at, tcp) - chain_.r_from_t(at.rotary) * tool_ + tool_;
+  }
+
+  struct Tool {
+    Eigen::Vector3d tip_w_mm, axis_w;
+  };
+  /// As the nominal machine holds it: what the program means.
+  Tool meant(const Commanded& at, bool tcp) const {
+    const Eigen::Isometry3d w_from_r = chain_.r_from_w(at.rotary).inverse();
+    return {w_from_r * tip_r(at, tcp), w_from_r.linear() * chain_.r_from_t(at.rotary).linear().col(2)};
+  }
+  /// As the machine holds it, its table out of place by the pose error: p_actual = T(Delta) r_from_w p_w.
+  Tool held(const Commanded& at, bool tcp) const {
+    const Eigen::Vector3d tip = tip_r(at, tcp);
+    Situation situation;
+    situation.at = at.rotary;
+    situation.point_r_mm = tip;
+    situation.tilt_sense = at.tilt_sense;
+    situation.turn_sense = at.turn_sense;
+    situation.linear_sense = {double(at.linear_sense[0]), double(at.linear_sense[1]), double(at.linear_sense[2])};
+    situation.time_s = at.time_s;
+    situation.tool_length_mm = tool_length_mm_;
+    const Eigen::Isometry3d w_from_r = (transform(field_.exactly_at(situation)) * chain_.r_from_w(at.rotary)).inverse();
+    return {w_from_r * tip, w_from_r.linear() * chain_.r_from_t(at.rotary).linear().col(2)};
+  }
+
+ private:
+  Eigen::Vector3d tip_r(const Commanded& at, bool tcp) const {
+    if (tcp) return chain_.r_from_w(at.rotary) * at.xyz_mm;
+    return at.xyz_mm + chain_.r_from_t(at.rotary) * tool_ - tool_;
+  }
+
+  const KinematicChain& chain_;
+  const ErrorField& field_;
+  Eigen::Vector3d tool_;
+  double tool_length_mm_;
+};
+
+/// In which sense the axes moved last; to and fro of a slide by less than a micrometre is rounding.
 class Senses {
  public:
+  Senses(const PlayedMachine& machine, bool slides) : machine_(machine), slides_(slides) {}
+
   void tell(PlayedMove& move) {
     follow(move, kTilt, tilt_);
     follow(move, kTurn, turn_);
     move.tilt_sense = tilt_;
     move.turn_sense = turn_;
+    if (slides_) follow_slides(move);
   }
 
  private:
@@ -57,7 +111,29 @@ class Senses {
     if (!std::isnan(move.from[axis]) && move.to[axis] != move.from[axis])
       sense = move.to[axis] > move.from[axis] ? 1 : -1;
   }
+  void follow_slides(PlayedMove& move) {
+    constexpr double kStill_mm = 1e-3;
+    const bool known = move.begins_known();
+    for (const double s : {0.25, 0.5, 0.75, 0.9, 1.0}) {
+      if (s < 1 && !(known && move.feed)) continue;
+      const Eigen::Vector3d now = machine_.slides_mm(commanded(move.at(s, &machine_.chain()), move, 0), move.tcp);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double way = now[static_cast<Eigen::Index>(i)] - turned_mm_[i];
+        const bool on = way * linear_[i] > 0;
+        if (!known || on || std::abs(way) > kStill_mm) {
+          linear_[i] = static_cast<std::int8_t>(!known ? 0 : way > 0 ? 1 : -1);
+          turned_mm_[i] = now[static_cast<Eigen::Index>(i)];
+        }
+      }
+    }
+    move.linear_sense = linear_;
+  }
+
+  const PlayedMachine& machine_;
+  bool slides_;
   int tilt_ = 1, turn_ = 1;
+  std::array<std::int8_t, 3> linear_{};
+  std::array<double, 3> turned_mm_{};
 };
 
 /// Largest and root mean square of errors as they come.
@@ -113,8 +189,7 @@ std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSet
 }
 
 PlaybackResult play_back(const OpenProgram& original, const OpenProgram& corrected, const Corrector& with_tcp,
-                         const Corrector& without_tcp, const ProgramCorrection& how,
-                         const ProgramCorrectionResult& correction) {
+                         const ProgramCorrection& how, const ProgramCorrectionResult& correction) {
   Lines meant_lines(original()), sent_lines(corrected());
   const std::unique_ptr<PlainPlayer> meant_player = plain_player(how.dialect, how.scan);
   const std::unique_ptr<PlainPlayer> sent_player = plain_player(how.dialect, how.scan);
@@ -128,11 +203,14 @@ PlaybackResult play_back(const OpenProgram& original, const OpenProgram& correct
     if (!sent_lines.next(line)) throw InputError("the corrected program ends before the original does");
     return sent_player->play(line);
   };
-  Senses senses;
+  const PlayedMachine machine(with_tcp.chain(), with_tcp.field(), with_tcp.settings().tool_length_mm);
+  Senses senses(machine, how.scan.follow_senses);
+  double time_s = 0;
   std::vector<PlayedMove> pieces;
   for (std::uint64_t number = 1; meant_lines.next(line); ++number) {
     std::optional<PlayedMove> meant = meant_player->play(line);
     if (meant) senses.tell(*meant);
+    if (meant && how.scan.follow_time) time_s += meant->seconds;
     if (sent_line + 1 == correction.header_line) next_sent();
     pieces.clear();
     if (const auto piece = next_sent()) pieces.push_back(*piece);
@@ -145,18 +223,21 @@ PlaybackResult play_back(const OpenProgram& original, const OpenProgram& correct
       throw InputError(how.name, number, "the corrected program moves otherwise here");
     if (!meant) continue;
     ++result.moves;
-    const Corrector& judge = meant->tcp ? with_tcp : without_tcp;
+    const KinematicChain* chain = &machine.chain();
     const double n = static_cast<double>(pieces.size());
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       for (const double s : {0.5, 1.0}) {
         if (s < 1 && (!meant->feed || !meant->begins_known())) continue;
-        const Commanded wanted = commanded(meant->at((static_cast<double>(k) + s) / n, &judge.chain()), *meant);
-        const Commanded sent = commanded(pieces[k].at(s, &judge.chain()), *meant);
+        const Commanded wanted = commanded(meant->at((static_cast<double>(k) + s) / n, chain), *meant, time_s);
+        const Commanded sent = commanded(pieces[k].at(s, chain), *meant, time_s);
+        const PlayedMachine::Tool aim = machine.meant(wanted, meant->tcp),
+                                  uncorrected = machine.held(wanted, meant->tcp),
+                                  corrected = machine.held(sent, meant->tcp);
         const PathStretch there{.line = number,
-                                .tip_before_mm = judge.tip_error_mm(wanted, wanted),
-                                .tip_after_mm = judge.tip_error_mm(wanted, sent),
-                                .tilt_before_rad = judge.tilt_error(wanted, wanted.rotary).in_radians(),
-                                .tilt_after_rad = judge.tilt_error(wanted, sent.rotary).in_radians()};
+                                .tip_before_mm = (uncorrected.tip_w_mm - aim.tip_w_mm).norm(),
+                                .tip_after_mm = (corrected.tip_w_mm - aim.tip_w_mm).norm(),
+                                .tilt_before_rad = uncorrected.axis_w.cross(aim.axis_w).norm(),
+                                .tilt_after_rad = corrected.axis_w.cross(aim.axis_w).norm()};
         before.add(there.tip_before_mm, there.tilt_before_rad, number);
         after.add(there.tip_after_mm, there.tilt_after_rad, number);
         result.along.add(there);

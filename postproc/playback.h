@@ -35,12 +35,12 @@ struct PlayedPlace {
 std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSettings& settings, double step_mm,
                                        double step_deg, const std::string& dialect = "linuxcnc");
 
-/// Plays a program and its correction on the machine as the correctors' field tells it, by a second, plain reader that
-/// shares no code with the scan, and compares where the tool goes with where the nominal machine would have brought it.
+/// Plays a program and its correction on the machine as the corrector's field tells it, exactly and by the plain
+/// transforms, read by a second, plain reader that shares no code with the scan; compares where the tool goes with
+/// where the nominal machine would have brought it. Of the corrector nothing is used but chain, field and tool.
 /// `correction` says only which lines were inserted. Throws InputError where the two programs do not
 /// belong together.
-PlaybackResult play_back(const OpenProgram& original, const OpenProgram& corrected, const Corrector& with_tcp,
-                         const Corrector& without_tcp, const ProgramCorrection& how,
-                         const ProgramCorrectionResult& correction);
+PlaybackResult play_back(const OpenProgram& original, const OpenProgram& corrected, const Corrector& corrector,
+                         const ProgramCorrection& how, const ProgramCorrectionResult& correction);
 
 }  // namespace trunnion

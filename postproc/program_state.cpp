@@ -79,6 +79,7 @@ void Move::add(std::size_t axis, const WordPlace& word, char letter) {
 
 ProgramState::ProgramState(const ScanSettings& settings) : settings_(settings), tcp_(settings.tcp) {
   if (settings_.control.turn_path == "shortest") turn_shortest = true;
+  if (settings_.follow_senses) slides_.emplace(*settings_.chain, settings_.tool_length_mm);
 }
 
 // --- zeros and frames
@@ -337,6 +338,11 @@ void ProgramState::move(Move& move, std::uint64_t line, ScannedChunk& chunk) {
   block.from_known = known_before == kAllAxes;
   block.raw_since = raw_since_;
   raw_since_ = 0;
+  if (slides_) slides_->follow(block);
+  if (settings_.follow_time) {
+    time_s_ += block_seconds(block);
+    block.time_s = time_s_;
+  }
   chunk.blocks.push_back(block);
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "postproc/motion.h"
+#include "postproc/slide_senses.h"
 #include "postproc/tool_axis.h"
 
 namespace trunnion {
@@ -145,6 +146,8 @@ class ProgramState {
   std::array<NumberStyle, kAxes> style_{};
   std::optional<Eigen::Vector3d> tangent_;  // of the move before, at its end
   std::int8_t tilt_sense_ = 1, turn_sense_ = 1;
+  std::optional<SlideSenses> slides_;
+  double time_s_ = 0;  // at feed
 };
 
 }  // namespace trunnion

@@ -138,7 +138,7 @@ int run(const Options& o, const Talk& talk) {
   if (!o.report.empty() && result.refusals.empty()) {
     Progress progress(talk, "play back", 1e-6 * file_size(o.input), "MB");
     played = play_back(counted(program, [&](double bytes) { progress.at(1e-6 * bytes); }),
-                       file_source(output.written()), setup.with_tcp(), setup.without_tcp(), how, result);
+                       file_source(output.written()), setup.with_tcp(), how, result);
   }
   nlohmann::json summary =
       correction_json(o.input.substr(o.input.find_last_of('/') + 1), orientation, how, result, played);

@@ -62,6 +62,7 @@ ProgramSetup::ProgramSetup(const Machine& machine, const Model& model, Job job, 
   how_.scan.keep_going = choices.keep_going;
   how_.scan.tcp_forced = choices.tcp != "auto";
   if (how_.scan.tcp_forced) how_.scan.tcp = choices.tcp == "on";
+  follow_what_errors_depend_on();
   how_.header = "model " + sha256_hex(model_text).substr(0, kHashDigits) + ", machine " + machine.name + ", serial " +
                 machine.serial;
   room_mm_ = how_.guard.tolerance_mm + kRoundingRoom * std::pow(10.0, -choices.decimals);
@@ -76,10 +77,18 @@ ProgramSetup::ProgramSetup(const Machine& machine, const Model& model, Job job, 
   without_tcp_.emplace(chain_, errors, without);
 }
 
+/// Senses of X, Y, Z, and the time at feed from the job's on.
+void ProgramSetup::follow_what_errors_depend_on() {
+  for (const std::string& column : needed_covariates(model_)) {
+    how_.scan.follow_senses |= column.ends_with("_dir") && column[0] >= 'X' && column[0] <= 'Z';
+    how_.scan.follow_time |= column == "time_s" && job_.covariates.contains(column);
+  }
+  how_.scan.tool_length_mm = tool_length_mm(job_, chain_);
+}
+
 void ProgramSetup::note_covariates() {
   for (const std::string& column : needed_covariates(model_))
-    if (!job_.covariates.contains(column) && column != "C_dir" &&
-        column != std::string(1, machine_.tilt_letter()) + "_dir")
+    if (!job_.covariates.contains(column) && !column.ends_with("_dir"))
       notes_.push_back(column + " is not known for this job: effects that depend on it stand at their zero");
   const ObservedRanges observed = observed_ranges(model_);
   for (auto& [column, value] : job_.covariates)
@@ -91,7 +100,7 @@ void ProgramSetup::note_covariates() {
 }
 
 void ProgramSetup::expect_many_blocks() {
-  if (!rest_) field_->bake(chain_);
+  if (!rest_ && !how_.scan.follow_time) field_->bake(chain_);
 }
 
 bool ProgramSetup::holds(const PlaybackResult& played) const { return played.after.largest_tip_mm <= room_mm_; }

@@ -50,6 +50,7 @@ class ProgramSetup {
   bool holds(const struct PlaybackResult& played) const;
 
  private:
+  void follow_what_errors_depend_on();
   void note_covariates();
 
   const Machine& machine_;

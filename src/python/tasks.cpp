@@ -244,7 +244,7 @@ Correction run_correct(const Machine& machine, const Model& model, const std::st
       setup.how());
   std::optional<PlaybackResult> played;
   if (result.refusals.empty())
-    played = play_back(opened(program), opened(corrected.program), setup.with_tcp(), setup.without_tcp(), setup.how(),
+    played = play_back(opened(program), opened(corrected.program), setup.with_tcp(), setup.how(),
                        result);
   corrected.report = correction_json("program", choices.orientation, setup.how(), result, played);
   if (played && !setup.holds(*played) && result.counts.beyond_tolerance == 0)

@@ -75,7 +75,7 @@ std::string corrected(const std::string& program, const Field& field, const std:
   std::string out;
   const ProgramCorrectionResult result = correct_program(
       opened(program), [&](std::string_view text) { out += text; }, on, off, how);
-  if (result.refusals.empty()) play_back(opened(program), opened(out), on, off, how, result);
+  if (result.refusals.empty()) play_back(opened(program), opened(out), on, how, result);
   return out;
 }
 

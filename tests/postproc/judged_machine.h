@@ -54,9 +54,13 @@ class TrueField : public ErrorField {
     PoseError error = relative_pose_error(chain_, situation.at, errors(situation.at), errors({}),
                                           {situation.point_r_mm, situation.tool_length_mm});
     if (situation.turn_sense < 0) error.rotation_rad.z() += turn_reversal_rad;
+    error.translation_mm += 0.5 * slide_reversal_mm * situation.linear_sense;
+    error.translation_mm.z() += drift_mm_per_s * situation.time_s;
     return error;
   }
   double turn_reversal_rad = 0;  ///< what C is behind by after a motion in the negative sense
+  double slide_reversal_mm = 0;  ///< of X, Y and Z, half to either side
+  double drift_mm_per_s = 0;     ///< of the table, along Z
   Range<Angle> tilt_range() const override { return {Angle::degrees(-120), Angle::degrees(120)}; }
 
  private:

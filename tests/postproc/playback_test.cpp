@@ -8,9 +8,7 @@ namespace trunnion {
 namespace {
 
 PlaybackResult played(Shop& shop, const std::string& program, const std::string& corrected) {
-  CorrectionSettings off = shop.settings;
-  off.tcp = ToolCentrePoint::off;
-  const Corrector with_tcp(shop.chain, shop.field, shop.settings), without_tcp(shop.chain, shop.field, off);
+  const Corrector corrector(shop.chain, shop.field, shop.settings);
   const auto opened = [](const std::string& text) -> OpenProgram {
     return [&text]() -> ReadBytes {
       return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
@@ -20,8 +18,11 @@ PlaybackResult played(Shop& shop, const std::string& program, const std::string&
       };
     };
   };
-  return play_back(opened(program), opened(corrected), with_tcp, without_tcp, shop.how, shop.result);
+  return play_back(opened(program), opened(corrected), corrector, shop.how, shop.result);
 }
+
+constexpr double kSecondOrder_mm = 1e-6;  // the error is looked up at the tip, not where the point was meant
+constexpr double kSecondOrder_rad = 1e-8;
 
 const char* const kProgram =
     "%\nG21 G0 X10 Y20 Z30 A-40 C50\nG1 X11 Y19.5 A-41 F500\nX40 A-60 C190\nG3 X30 Y29.5 I-10\nG1 G20 X1. Y1.\nG92 "
@@ -62,6 +63,38 @@ TEST(Playback, KnowsTheSenseInWhichARotaryAxisCame) {
   const PlaybackResult result = played(shop, program, shop.correct(program));
   EXPECT_LT(result.after.largest_tip_mm, 3e-4);
   EXPECT_LT(result.after.largest_tilt_rad, 8e-6);
+}
+
+TEST(Playback, TellsWhatTheVirtualMachineTells) {
+  for (const char* structure : {"w C' A' Y' b X Z t", "w C' b X Y Z A t", "w b X Y Z C A t"})
+    for (const bool tcp : {true, false}) {
+      Shop shop(structure);
+      shop.how.scan.tcp = tcp;
+      shop.how.keep_insertions = true;
+      shop.settings.tool_length_mm = 70;
+      const std::string program = "G21 G0 X10 Y20 Z30 A-40 C50\n";
+      const std::string out = shop.correct(program);
+      const PlaybackResult result = played(shop, program, out);
+      const auto wanted = testing::play_rs274(program, {}), sent = testing::play_rs274(out, {});
+      const Miss before = shop.missed(wanted[0], wanted[0]), after = shop.missed(wanted[0], sent[0]);
+      EXPECT_NEAR(result.before.largest_tip_mm, before.tip_mm, kSecondOrder_mm);
+      EXPECT_NEAR(result.before.largest_tilt_rad, before.axis_rad, kSecondOrder_rad);
+      EXPECT_NEAR(result.after.largest_tip_mm, after.tip_mm, kSecondOrder_mm);
+      EXPECT_NEAR(result.after.largest_tilt_rad, after.axis_rad, kSecondOrder_rad);
+      EXPECT_GT(before.tip_mm, 0.005);
+    }
+}
+
+TEST(Playback, KnowsTheSensesOfTheSlides) {
+  Shop shop;
+  shop.field.slide_reversal_mm = 0.004;
+  shop.how.scan.chain = &shop.chain;
+  shop.how.scan.follow_senses = true;
+  shop.how.keep_insertions = true;
+  // They turn about at rapid; under tool-centre-point control C moves all of them.
+  const std::string program = "G21 G0 X100 Y20 Z30 A-40 C50\nC20\nX90\nG1 X80 F300\nG0 C60 X85\nZ40 A-20\n";
+  const PlaybackResult result = played(shop, program, shop.correct(program));
+  EXPECT_LT(result.after.largest_tip_mm, 3e-4);
 }
 
 TEST(Playback, SeesAWordThatIsWrong) {

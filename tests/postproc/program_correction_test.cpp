@@ -235,6 +235,28 @@ TEST(ProgramCorrection, TakesTheFeedBesideABlendingTolerance) {
   EXPECT_THAT(out, HasSubstr("G94 F300"));
 }
 
+TEST(ProgramCorrection, FollowsTheSensesOfTheSlides) {
+  Shop shop("w C' A' Y' b X Z t", 0);
+  shop.field.slide_reversal_mm = 0.004;
+  shop.how.scan.chain = &shop.chain;
+  shop.how.scan.follow_senses = true;
+  // They lag by half of it in the sense of their last motion; a micrometre to and fro is none. C takes the tip to X-6
+  // Y15 of the slides: X has gone back, Y forth.
+  EXPECT_EQ(without_header(shop.correct("G0 X10 Y5 Z5 A0 C0\nX20\nX20.0005\nX20\nX15 Y6\nC90\n")),
+            "G0 X10 Y5 Z5 A0 C0\nX20.002\nX20.0025\nX20.002\nX14.998 Y6.002\nC90 X15.002\n");
+}
+
+TEST(ProgramCorrection, CountsTheTimeAtFeed) {
+  Shop shop("w C' A' Y' b X Z t", 0);
+  shop.field.drift_mm_per_s = 1e-4;
+  shop.how.scan.follow_time = true;
+  // 1 s along X, none at rapid, 2 s of inverse time, 1 s of an arc of pi mm, 3 s of a turn.
+  EXPECT_EQ(without_header(shop.correct("G0 X10 Y5 Z5 A0 C0\nG1 X20 F600\nG0 X0\nG93 G1 X1 F30\nG94 G2 X3 I1 "
+                                        "F188.4956\nG1 C1 F20\n")),
+            "G0 X10 Y5 Z5 A0 C0\nG1 X20 Z5.0001 F600\nG0 X0\nG93 G1 X1 Z5.0003 F30\nG94 G2 X3 I1 Z5.0004 "
+            "F188.4956\nG1 G93 C1 Z5.0007 F20\nG94 F20\n");
+}
+
 TEST(ProgramCorrection, RefusesACorrectedProgram) {
   Shop shop;
   const std::string once = shop.correct(sphere(3));
