@@ -23,7 +23,7 @@ std::vector<Covariate> covariates(const LinearProblem& problem, const CandidateS
                                     "phi_deg", "nz",    std::string(1, scope.context.tilt_letter) + "_deg",
                                     "C_deg"};
   for (const std::string& column : scope.columns)
-    if (column != "A_dir" && column != "B_dir" && column != "C_dir" && column != "repeat") names.push_back(column);
+    if (column != "repeat") names.push_back(column);
   if (std::ranges::find(names, "time_s") == names.end()) names.push_back("order");
   std::vector<Covariate> found;
   for (const std::string& name : names) {
@@ -39,21 +39,20 @@ std::vector<Covariate> covariates(const LinearProblem& problem, const CandidateS
   return found;
 }
 
+bool rotary_angle(const std::string& column) { return column == "A_deg" || column == "B_deg" || column == "C_deg"; }
+
 Eigen::MatrixXd unit_prior_columns(const LinearProblem& problem, const SmoothTerm& term) {
   const Eigen::VectorXd root = term.prior_variances().cwiseSqrt();
   Eigen::MatrixXd z(static_cast<Eigen::Index>(problem.readings.size()), root.size());
   for (Eigen::Index i = 0; i < z.rows(); ++i) {
     const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
     const Situation& s = problem.situations[reading.row];
-    const double along = reading.functional.head<3>().dot(term.direction_r(s));
+    const double along = reading.functional.dot(term.direction_r(s));
     z.row(i) = (along / reading.sigma) * term.functions(s).cwiseProduct(root).transpose();
   }
   return z;
 }
 
-constexpr SmoothDirection kDirections[] = {SmoothDirection::x,       SmoothDirection::y,       SmoothDirection::z,
-                                           SmoothDirection::table_x, SmoothDirection::table_y, SmoothDirection::table_z,
-                                           SmoothDirection::approach};
 constexpr double kFirstScale = 0.15;  // of the range: between the finest and the coarsest
 constexpr std::size_t kFollowed = 24, kLeading = 4, kLeadingDirections = 3;
 constexpr double kLeastVisible = 0.1;   // what hides in the map almost whole would be extrapolated from the rest
@@ -78,7 +77,7 @@ class Trials {
 
   const std::vector<Trial>& run() {
     for (std::size_t k = 0; k < covariates_.size(); ++k)
-      for (const SmoothDirection direction : kDirections) attempt({k}, direction, kFirstScale);
+      for (const SmoothDirection direction : kSmoothDirections) attempt({k}, direction, kFirstScale);
     sort();
     const std::vector<Trial> first(tried_.begin(),
                                    tried_.begin() + static_cast<std::ptrdiff_t>(std::min(kFollowed, tried_.size())));
@@ -114,9 +113,17 @@ class Trials {
           std::ranges::find(directions, t.term->direction()) == directions.end())
         directions.push_back(t.term->direction());
     }
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
     for (std::size_t i = 0; i < leading.size(); ++i)
-      for (std::size_t j = i + 1; j < leading.size(); ++j)
-        for (const SmoothDirection direction : directions) attempt({leading[i], leading[j]}, direction, 0.4);
+      for (std::size_t j = i + 1; j < leading.size(); ++j) pairs.emplace_back(leading[i], leading[j]);
+    // What a rotary angle does alone is the map's, so it never leads; what it does with another quantity is not. (The
+    // same with the approach, tried on a pretravel that a draught brings to side touches, left the map worse: what it
+    // does alone is seen too little.)
+    for (std::size_t k = 0; k < covariates_.size() && !leading.empty(); ++k)
+      if (rotary_angle(covariates_[k].column) && std::ranges::find(leading, k) == leading.end())
+        pairs.emplace_back(leading[0], k);
+    for (const auto& [one, other] : pairs)
+      for (const SmoothDirection direction : directions) attempt({one, other}, direction, 0.4);
   }
 
   void sort() {

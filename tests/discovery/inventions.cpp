@@ -95,14 +95,13 @@ void relay(VirtualMachine& m, Noise& n, const UndeclaredSize& size) {
 void draught_on_the_probe(VirtualMachine& m, Noise& n, const UndeclaredSize& size) {
   const double mm = 1e-3 * size.scale * sign_of(n);
   m.reading_effects.push_back([=](const TouchState& t) {
-    const double f = (t.machine.covariate("draught") - 2) / 2;
-    return mm * t.approach_r.z() * f * f;
+    const double f = (t.machine.covariate("draught") - 2) / 2, side = std::hypot(t.approach_r.x(), t.approach_r.y());
+    return mm * side * f * f;
   });
 }
 void tired_operator(VirtualMachine& m, Noise& n, const UndeclaredSize& size) {
   const double mm = 1e-3 * size.scale * sign_of(n), whole = size.touches;
-  m.reading_effects.push_back(
-      [=](const TouchState& t) { return mm * t.approach_r.y() * std::sin(3 * kPi * t.machine.order / whole); });
+  m.reading_effects.push_back([=](const TouchState& t) { return mm * std::sin(3 * kPi * t.machine.order / whole); });
 }
 
 }  // namespace

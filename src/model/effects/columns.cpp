@@ -18,7 +18,10 @@ bool is_temperature(std::string_view column) {
   return small_letters(column).find("temp") != std::string::npos || column.ends_with("_C") || column.ends_with("_degC");
 }
 
-double zero_of_column(std::string_view column) { return is_temperature(column) ? 20 : 0; }
+double zero_of_column(std::string_view column) {
+  if (column == "A_dir" || column == "B_dir" || column == "C_dir") return 1;
+  return is_temperature(column) ? 20 : 0;
+}
 
 double beyond_zero(const Situation& s, std::string_view column) {
   const std::optional<double> value = s.covariate(column);

@@ -12,7 +12,7 @@ namespace trunnion {
 /// Whether a column looks like a temperature in degrees Celsius: "temp" in its name, or the ending _C or _degC.
 bool is_temperature(std::string_view column);
 
-/// The value of a column at the zero of every effect (CONTRACT): 20 for a temperature, else 0.
+/// The value of a column at the zero of every effect (CONTRACT): 20 for a temperature, 1 for the sense of a rotary axis, else 0.
 double zero_of_column(std::string_view column);
 
 /// How far a column stands from its zero in a situation; 0 where the situation does not know it.

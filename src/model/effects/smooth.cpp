@@ -9,6 +9,7 @@
 #include "error.h"
 #include "model/effects/columns.h"
 #include "model/effects/families.h"
+#include "model/joint_motion.h"
 
 namespace trunnion {
 namespace {
@@ -18,7 +19,12 @@ using std::numbers::pi;
 
 constexpr int kMostFunctions = 200;   // on one axis
 constexpr double kNegligible = 1e-7;  // of the largest prior variance
-constexpr const char* kDirections[] = {"x", "y", "z", "table_x", "table_y", "table_z", "approach"};
+constexpr double kLever_mm = 100;     // at which a rotation counts like a length
+constexpr const char* kDirections[] = {"x",       "y",        "z",          "table_x",   "table_y",
+                                       "table_z", "approach", "about_tilt", "about_turn"};
+static_assert(std::size(kDirections) == std::size(kSmoothDirections));
+
+bool turns(SmoothDirection d) { return d == SmoothDirection::about_tilt || d == SmoothDirection::about_turn; }
 
 /// "time_s~1200" is time_s in a period of 1200.
 struct Phase {
@@ -141,7 +147,9 @@ SmoothTerm::SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, 
   }
   terms_ = std::move(terms);
   prior_variances_ = Eigen::Map<Eigen::VectorXd>(kept.data(), static_cast<Eigen::Index>(kept.size()));
-  for (std::size_t k = 0; k < terms_.size(); ++k) parameters_.push_back({"f" + std::to_string(k + 1), Unit::um});
+  if (turns(direction_)) prior_variances_ /= kLever_mm * kLever_mm;
+  for (std::size_t k = 0; k < terms_.size(); ++k)
+    parameters_.push_back({"f" + std::to_string(k + 1), turns(direction_) ? Unit::urad : Unit::um});
   std::vector<double> zero;
   for (const SmoothAxis& axis : axes_) zero.push_back(zero_of_column(phase_of(axis.column).column));
   at_zero_ = raw_functions(zero);
@@ -172,7 +180,7 @@ std::vector<std::string> SmoothTerm::depends_on() const {
   }
   if (direction_ == SmoothDirection::approach)
     for (const char* part : {"nx", "ny", "nz"}) add(part);
-  else if (direction_ >= SmoothDirection::table_x)
+  else if (direction_ >= SmoothDirection::table_x && !turns(direction_))
     add(tilt), add("C_deg");
   return columns;
 }
@@ -210,16 +218,26 @@ Eigen::VectorXd SmoothTerm::functions(const Situation& s) const {
   return raw_functions(covariates) - at_zero_;
 }
 
-Eigen::Vector3d SmoothTerm::direction_r(const Situation& s) const {
-  if (direction_ == SmoothDirection::approach) return s.approach_r;
+Vector6d SmoothTerm::direction_r(const Situation& s) const {
+  if (direction_ == SmoothDirection::about_tilt)
+    return joint_rotation(*context_.chain, context_.chain->tilt_index(), s);
+  if (direction_ == SmoothDirection::about_turn)
+    return joint_rotation(*context_.chain, context_.chain->turn_index(), s);
+  Vector6d c = Vector6d::Zero();
   const int k = static_cast<int>(direction_);
-  return k < 3 ? Eigen::Vector3d::Unit(k).eval() : context_.chain->r_from_w(s.at).linear().col(k - 3).eval();
+  if (direction_ == SmoothDirection::approach)
+    c.head<3>() = s.approach_r;
+  else if (k < 3)
+    c[k] = 1;
+  else
+    c.head<3>() = context_.chain->r_from_w(s.at).linear().col(k - 3);
+  return c;
 }
 
 Matrix6Xd SmoothTerm::basis(const Situation& s) const {
   Matrix6Xd b = Matrix6Xd::Zero(6, at_zero_.size());
   if (origin() == Origin::measurement && s.reading == ReadingKind::none) return b;
-  b.topRows<3>() = direction_r(s) * functions(s).transpose();
+  b = direction_r(s) * functions(s).transpose();
   return b;
 }
 
@@ -239,7 +257,8 @@ std::shared_ptr<SmoothTerm> SmoothTerm::read(const std::string& detail, const js
       j.contains("direction") && j["direction"].is_string() ? j["direction"].get<std::string>() : "";
   const auto* const found = std::ranges::find(kDirections, given);
   if (found == std::end(kDirections))
-    throw ModelError(where + ": direction: one of x, y, z, table_x, table_y, table_z, approach is wanted");
+    throw ModelError(
+        where + ": direction: one of x, y, z, table_x, table_y, table_z, approach, about_tilt, about_turn is wanted");
   if (!j.contains("axes") || !j["axes"].is_array()) throw ModelError(where + ": axes: a list is wanted");
   std::vector<SmoothAxis> axes;
   for (const json& entry : j["axes"]) {

@@ -20,10 +20,15 @@ struct SmoothAxis {
   friend bool operator==(const SmoothAxis&, const SmoothAxis&) = default;
 };
 
-/// Along what a smooth effect displaces the workpiece: an axis of R, an axis of W as it stands, or the approach.
-enum class SmoothDirection { x, y, z, table_x, table_y, table_z, approach };
+/// How a smooth effect moves the workpiece: along an axis of R, along an axis of W as it stands, along the approach, or
+/// as one of the rotary joints turns.
+enum class SmoothDirection { x, y, z, table_x, table_y, table_z, approach, about_tilt, about_turn };
+inline constexpr SmoothDirection kSmoothDirections[] = {
+    SmoothDirection::x,        SmoothDirection::y,          SmoothDirection::z,
+    SmoothDirection::table_x,  SmoothDirection::table_y,    SmoothDirection::table_z,
+    SmoothDirection::approach, SmoothDirection::about_tilt, SmoothDirection::about_turn};
 
-/// d = (f(v) - f(v0)) c, a smooth function of one or two covariates along a direction, v0 their values at the zero of
+/// e = (f(v) - f(v0)) c, a smooth function of one or two covariates times a way to move, v0 their values at the zero of
 /// every effect. f = sum_k beta_k phi_k is a Gaussian process with the squared-exponential kernel at reduced rank:
 /// sine eigenfunctions of the Laplacian on a box somewhat larger than the range (Solin & Saerkkae 2020),
 /// Fourier functions on a circle; products for two covariates. For a process of unit variance beta_k has
@@ -43,9 +48,9 @@ class SmoothTerm : public Effect {
   SmoothDirection direction() const { return direction_; }
   /// phi(v) - phi(v0); zero where a covariate is not known. The basis is their product with direction_r.
   Eigen::VectorXd functions(const Situation& situation) const;
-  /// c, a unit vector in R; zero for the approach where nothing is touched.
-  Eigen::Vector3d direction_r(const Situation& situation) const;
-  /// Prior variance of each coefficient for a process of unit variance (mm^2 per mm^2).
+  /// c at R's origin: a unit vector (zero for the approach where nothing is touched), or a joint's rotation by 1 rad.
+  Vector6d direction_r(const Situation& situation) const;
+  /// Prior variance of each coefficient for a process of unit variance: 1 mm^2, for a rotation at a lever of 100 mm.
   const Eigen::VectorXd& prior_variances() const { return prior_variances_; }
 
   static std::shared_ptr<SmoothTerm> read(const std::string& detail, const nlohmann::json& json,
