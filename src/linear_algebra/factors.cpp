@@ -104,7 +104,7 @@ MatrixXd orthonormal_columns(const Ref<const MatrixXd>& a, double threshold) {
 }
 
 SingularValues singular_values(const Ref<const MatrixXd>& a) {
-  const Eigen::BDCSVD<MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
   return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
 }
 

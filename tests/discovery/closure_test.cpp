@@ -86,6 +86,17 @@ TEST(Closure, ReachesTheNoiseForEffectsOfNoCatalogueWithoutHarm) {
   }
 }
 
+TEST(Closure, FindsATurnOfTheTiltThatDependsOnItsSenseAndItsAngle) {
+  const auto& all = testing::inventions();
+  const auto snaps = std::ranges::find(all, "tilt that snaps", &testing::Invention::name);
+  ASSERT_NE(snaps, all.end());
+  const testing::ClosureOutcome outcome = close_case(
+      {.seed = 5, .invention = &*snaps, .measured = testing::Measured::three_passes_verified, .noncentrality = 410});
+  ASSERT_EQ(outcome.closure.effects.size(), 1U);
+  EXPECT_EQ(outcome.closure.effects[0].effect->id(), "smooth:A_dir,A_deg");
+  EXPECT_LT(map_error_um(outcome.closure.model, outcome), 0.8 * map_error_um(outcome.closure.bare_model, outcome));
+}
+
 TEST(Closure, NamesASquarenessAsSuchThoughASmoothEffectWouldDo) {
   const testing::ClosureOutcome outcome = close_case(
       {.seed = 3, .effects = {"squareness:XZ"}, .measured = testing::Measured::three_passes, .noncentrality = 400});
