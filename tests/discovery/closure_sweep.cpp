@@ -1,8 +1,9 @@
 // Closes the loop on many virtual machines and prints what came of each, one JSON object a line:
 //   closure_sweep KIND MEASURED FIRST COUNT [NAME]
 //   closure_sweep list   the names of effects and inventions
-// KIND: effect, two, chips (NAME: an id, or two with a + between), invention (NAME), null, student, harmonics.
-// MEASURED: calibration, verified, three_passes, three_passes_verified.
+// KIND: effect, two, chips (NAME: an id, or two with a + between), invention (NAME), null, student, harmonics, piece
+// (a cone on a machine with an undeclared backlash of C), piece_null (on one that lacks nothing).
+// MEASURED: calibration, verified, three_passes, three_passes_verified; of a piece: alone, with_probing, upright.
 
 #include <chrono>
 #include <cstdio>
@@ -14,6 +15,7 @@
 
 #include "discovery/closure_case.h"
 #include "discovery/inventions.h"
+#include "testpiece/piece_case.h"
 
 namespace {
 
@@ -67,6 +69,28 @@ nlohmann::json row(const ClosureCase& c, const std::string& kind, const std::str
           {"cpu_s", static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC}};
 }
 
+/// A cone that leans more than its half angle, by itself or joined with a probing, or an upright one.
+nlohmann::json piece_row(const std::string& kind, const std::string& measured, std::uint64_t seed) {
+  constexpr double kUndeclared_rad = 30e-6;
+  const std::clock_t start = std::clock();
+  const PieceOutcome outcome = close_piece({.seed = seed,
+                                            .tilt_deg = measured == "upright" ? 10.0 : 30.0,
+                                            .backlash_rad = kind == "piece" ? kUndeclared_rad : 0,
+                                            .with_probing = measured == "with_probing"});
+  nlohmann::json accepted = nlohmann::json::array();
+  for (const AcceptedEffect& e : outcome.closure.effects) accepted.push_back(e.effect->id());
+  return {{"kind", kind},
+          {"name", ""},
+          {"seed", seed},
+          {"accepted", accepted},
+          {"named", outcome.names_the_backlash()},
+          {"untestable", outcome.backlash_is_untestable()},
+          {"verdict", verdict_text(outcome.closure.verdict)},
+          {"roundness_before_um", outcome.roundness_before_um},
+          {"roundness_after_um", outcome.roundness_after_um},
+          {"cpu_s", static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC}};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -78,6 +102,14 @@ int main(int argc, char** argv) try {
   }
   if (argc < 5) throw std::invalid_argument("closure_sweep KIND MEASURED FIRST COUNT [NAME]");
   const std::string kind = argv[1], name = argc > 5 ? argv[5] : "";
+  const std::uint64_t first = std::strtoull(argv[3], nullptr, 10), count = std::strtoull(argv[4], nullptr, 10);
+  if (kind == "piece" || kind == "piece_null") {
+    for (std::uint64_t seed = first; seed < first + count; ++seed) {
+      std::printf("%s\n", piece_row(kind, argv[2], seed).dump().c_str());
+      std::fflush(stdout);
+    }
+    return 0;
+  }
   ClosureCase c{.measured = measured_from(argv[2])};
   const bool later = c.measured == Measured::verified || c.measured == Measured::three_passes_verified;
   const double times = later ? kVerified : kFolds;
@@ -94,7 +126,6 @@ int main(int argc, char** argv) try {
     c.invention = invention_called(name);
     c.noncentrality = 4 * kDetectable * times * times;  // abrupt ones are seen by no more than their smooth part
   }
-  const std::uint64_t first = std::strtoull(argv[3], nullptr, 10), count = std::strtoull(argv[4], nullptr, 10);
   for (c.seed = first; c.seed < first + count; ++c.seed) {
     if (kind == "null") c.machine.C_harmonics = 2 + static_cast<int>(c.seed % 3);
     std::printf("%s\n", row(c, kind, name).dump().c_str());
