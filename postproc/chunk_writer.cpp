@@ -18,6 +18,11 @@ constexpr int kDirectionDecimals = 7;  // a tenth of a microradian
 
 double unit(const MotionBlock& block, std::size_t axis) { return axis < 3 ? block.unit_mm : 1; }
 
+/// `largest`, or the length of `v` if that is more: the root is for the few that are.
+void raise_to(double& largest, const Vector3d& v) {
+  if (const double square = v.squaredNorm(); square > largest * largest) largest = std::sqrt(square);
+}
+
 bool by_vectors(const MotionBlock& block) { return block.extras && block.extras->direction_in_effect; }
 
 }  // namespace
@@ -28,11 +33,11 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
   block_text_.out().counts.copied_moves = scanned.copied_moves;
   block_text_.out().refusals = scanned.refusals;
   if (!keep_going_) {
-    last_.reset();
+    last_ = nullptr;
     ticks_ = {};
     lines_since_arc_ = false;
     if (const auto& before = scanned.before) {
-      last_ = solver_.solved(*before, before->target);
+      remember(solver_.solved(*before, before->target));
       ticks_ = last_->ticks;
       ticks_unit_mm_ = before->unit_mm;
       lines_since_arc_ =
@@ -49,12 +54,15 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
       block_text_.out().refusals.push_back({block.line, error.what(), Refusal::Kind::refused});
     }
     if (!keep_going_) break;
-    if (block.arc() != nullptr && lines_since_arc_ && !block.motion_word.stands())
-      block_text_.rewrite(block, {}, {.arc_code = block.arc()->sweep_rad < 0 ? '2' : '3'});
+    if (block.arc() != nullptr && lines_since_arc_ && !block.motion_word.stands()) {
+      NewFeed code;
+      code.arc_code = block.arc()->sweep_rad < 0 ? '2' : '3';
+      block_text_.rewrite(block, {}, code);
+    }
     if (block.arc() != nullptr || block.motion_word.stands()) lines_since_arc_ = false;
     for (std::size_t i = 0; i < kAxes; ++i)
       if (holds(block.programmed, i) && !holds(block.incremental, i)) ticks_[i] = {};
-    last_.reset();
+    last_ = nullptr;
   }
   std::ranges::stable_sort(block_text_.out().refusals, {}, &Refusal::line);
   return block_text_.finish();
@@ -148,24 +156,25 @@ NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks& before, con
     if (block.feed <= 0) throw RefusalError("F is not known: with G93 every block that moves needs its own");
     return {.word = feed_decimal(block.feed * n)};
   }
-  const double turn = turn_deg(block.from, block.target);
-  if (!block.from_known || block.arc() != nullptr || turn == 0) return {};
+  if (!block.from_known || block.arc() != nullptr || turn2_deg2(block.from, block.target) == 0) return {};
   if (text_.feed_over_all_axes && !block.tcp && !block.straight_on_part) return {};
   AxisValues to = block.target;
-  bool changed = false;
+  double step2_mm2 = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Decimal step = after[i] - before[i];
-    changed |= step.mantissa != 0;
-    to[i] += step.value() * block.unit_mm;
+    const double step = (after[i] - before[i]).value() * block.unit_mm;
+    step2_mm2 += step * step;
+    to[i] += step;
   }
-  if (!changed) return {};
   // F runs along X Y Z where any of them moves, else along the rotary axes in degrees.
-  const double nominal = length_mm(block.from, block.target), corrected = length_mm(block.from, to);
+  const double nominal2 = length2_mm2(block.from, block.target);
+  if (step2_mm2 == 0 || step2_mm2 < squared(kSameDuration) * nominal2) return {};
+  const double nominal = std::sqrt(nominal2), corrected = length_mm(block.from, to);
   if (nominal > 0 && std::abs(corrected / nominal - 1) < kSameDuration) return {};
   if (block.feed_mode == FeedMode::per_revolution)
     throw RefusalError("a turn of the rotary axes in G95 whose X Y Z correction would change its duration");
   if (block.feed <= 0) throw RefusalError("F is not known, so the duration of this turn cannot be kept");
-  const double minutes = nominal > 0 ? nominal / (block.feed * block.feed_unit_mm) : turn / block.feed;
+  const double minutes =
+      nominal > 0 ? nominal / (block.feed * block.feed_unit_mm) : turn_deg(block.from, block.target) / block.feed;
   if (!text_.time_in_seconds) return {.word = feed_decimal(n / minutes), .timed = true};
   const double seconds = 60 * minutes / n;
   if (seconds > kLongestTime_s || seconds < kShortestTime_s)
@@ -173,23 +182,39 @@ NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks& before, con
   return {.word = rounded(seconds, kTimeDecimals), .timed = true};
 }
 
+void ChunkWriter::remember(const Solution& solution) {
+  last_ = last_ == &kept_[0] ? &kept_[0] : &kept_[1];
+  *last_ = solution;
+}
+
 void ChunkWriter::correct(const MotionBlock& block) {
-  Solution end;
+  Solution& end = last_ == &kept_[0] ? kept_[1] : kept_[0];
   solver_.solve(block, block.target, end);
   solver_.check(block.target, end);
   if (block.kind == BlockKind::feed && block.from_known && last_) solver_.check_change(*last_, end);
-  Pen pen{.before = ticks_before(block), .last_place = &block.from};
-  pen.last = pen.before;
+  const Ticks before = ticks_before(block);
+  const bool whole = solver_.is_short(block);
+  if (whole && !new_feed(block, before, end.ticks, 1).word && block_text_.rewrite_plainly(block, end.ticks, before)) {
+    lines_since_arc_ = false;
+    count(end);
+    last_ = &end;
+  } else {
+    correct(block, end, before, whole);
+  }
+  ++block_text_.out().counts.corrected_blocks;
+  ticks_ = end.ticks;
+  ticks_unit_mm_ = block.unit_mm;
+}
+
+/// Any block but the usual one.
+void ChunkWriter::correct(const MotionBlock& block, Solution& end, const Ticks& before, bool whole) {
+  Pen pen{.before = before, .last = before, .last_place = &block.from};
   NewFeed feed;
   std::vector<NewWords> pieces;
   bool within_tolerance = true;
-  const bool whole = solver_.is_short(block);
   std::optional<Vector3d> centre;
   if (!whole && block.arc() != nullptr) centre = solver_.moved_arc(block, pen.before, end);
-  if (whole) feed = new_feed(block, pen.before, end.ticks, 1);
-  if (whole && !feed.word && block_text_.rewrite_plainly(block, end.ticks, pen.before)) {
-    lines_since_arc_ = false;
-  } else if (whole || centre) {
+  if (whole || centre) {
     const NewWords words = this->words(block, end, true, pen);
     feed = new_feed(block, pen.before, end.ticks, 1);
     if (!feed.word && !centre && !block.arc()) {
@@ -205,7 +230,7 @@ void ChunkWriter::correct(const MotionBlock& block) {
       solver_.check(solution.programmed, solution);
       pieces.push_back(words(block, solution, &solution == &sent.ends.back(), pen));
       count(solution);
-      last_ = solution;
+      remember(solution);
     }
     feed = new_feed(block, pen.before, end.ticks, pieces.size());
   }
@@ -236,25 +261,21 @@ void ChunkWriter::correct(const MotionBlock& block) {
       if (feed.timed) block_text_.restore_feed(block);
     }
   }
-  ++block_text_.out().counts.corrected_blocks;
   if (!within_tolerance) ++block_text_.out().counts.beyond_tolerance;
   if (whole || centre) {
     count(end);
-    last_ = end;
+    last_ = &end;
   }
-  ticks_ = end.ticks;
-  ticks_unit_mm_ = block.unit_mm;
 }
 
 void ChunkWriter::count(const Solution& solution) {
   CorrectionCounts& counts = block_text_.out().counts;
   counts.largest_deviation_mm = std::max(counts.largest_deviation_mm, solution.linear.deviation_mm);
-  counts.largest_tilt_rad = std::max(counts.largest_tilt_rad, solution.linear.error.rotation_rad.norm());
+  raise_to(counts.largest_tilt_rad, solution.linear.error.rotation_rad);
   counts.largest_residual_rad = std::max(counts.largest_residual_rad, solution.residual.in_radians());
   counts.largest_c_correction_rad = std::max(counts.largest_c_correction_rad, std::abs(solution.turn_by.in_radians()));
   if (last_) {
-    counts.largest_position_change_mm =
-        std::max(counts.largest_position_change_mm, (solution.linear.change_mm - last_->linear.change_mm).norm());
+    raise_to(counts.largest_position_change_mm, solution.linear.change_mm - last_->linear.change_mm);
     for (const Angle change : {solution.tilt_by - last_->tilt_by, solution.turn_by - last_->turn_by})
       counts.largest_rotary_change_rad = std::max(counts.largest_rotary_change_rad, std::abs(change.in_radians()));
   }

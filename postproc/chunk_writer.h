@@ -19,6 +19,7 @@ class ChunkWriter {
   /// The text of the chunk, corrected. Stops at the first block it refuses unless it is to keep going; then the block
   /// is copied.
   CorrectedChunk write(std::string_view text, const ScannedChunk& scanned);
+  ChunkWriter(const ChunkWriter&) = delete;
 
  private:
   /// The state of a block's pieces while they are put into words.
@@ -35,7 +36,9 @@ class ChunkWriter {
                        NewWords& words) const;
   NewFeed new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after, std::size_t pieces) const;
   Ticks ticks_before(const MotionBlock& block) const;
+  void remember(const Solution& solution);
   void correct(const MotionBlock& block);
+  void correct(const MotionBlock& block, Solution& end, const Ticks& before, bool whole);
   void set_position(const MotionBlock& block);
   void count(const Solution& solution);
 
@@ -46,7 +49,8 @@ class ChunkWriter {
 
   Ticks ticks_{};  // what the axes stand corrected by
   double ticks_unit_mm_ = 1;
-  std::optional<Solution> last_;  // of the block before
+  std::array<Solution, 2> kept_;  // of the block before and of the one at hand, by turns
+  Solution* last_ = nullptr;      // of the block before, where it is known
   bool lines_since_arc_ = false;  // the block before was an arc and left a straight move in force
 };
 

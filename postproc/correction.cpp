@@ -21,20 +21,28 @@ constexpr double kAbsurdTurn_rad = 1;
 constexpr double kNear_rad = 5e-4;    // second order: 30 um of six waves a turn lose 0.0002 um
 constexpr double kSmall_rad = 0.005;  // its seventh power is beyond double precision
 
-/// `v` turned by `angle` about the unit vector `axis` (Rodrigues). Corrections are small: their sine is a short series.
-inline Vector3d turned(const Vector3d& v, const Vector3d& axis, double angle) {
+/// Sine and one minus cosine of a small angle, short series. Products of constants: a division costs more than all the
+/// rest.
+struct SineVersine {
   double sine, versine;
+};
+inline SineVersine of_small(double angle) {
+  const double square = angle * angle;
+  return {angle * (1 - square * (1.0 / 6) * (1 - square * (1.0 / 20))),
+          0.5 * square * (1 - square * (1.0 / 12) * (1 - square * (1.0 / 30)))};
+}
+
+/// `v` turned by `angle` about the unit vector `axis` (Rodrigues). Corrections are small.
+inline Vector3d turned(const Vector3d& v, const Vector3d& axis, double angle) {
+  SineVersine of;
   if (std::abs(angle) < kSmall_rad) {
-    const double square = angle * angle;
-    sine = angle * (1 - square / 6 * (1 - square / 20));
-    versine = square / 2 * (1 - square / 12 * (1 - square / 30));
+    of = of_small(angle);
   } else {
     const double half = std::sin(0.5 * angle);
-    sine = std::sin(angle);
-    versine = 2 * half * half;
+    of = {std::sin(angle), 2 * half * half};
   }
   const Vector3d across = axis.cross(v);
-  return v + sine * across + versine * axis.cross(across);
+  return v + of.sine * across + of.versine * axis.cross(across);
 }
 
 struct SineCosine {
@@ -42,8 +50,8 @@ struct SineCosine {
 };
 inline SineCosine sine_cosine(double angle) {
   if (std::abs(angle) >= kSmall_rad) return {std::sin(angle), std::cos(angle)};
-  const double square = angle * angle;
-  return {angle * (1 - square / 6 * (1 - square / 20)), 1 - square / 2 * (1 - square / 12 * (1 - square / 30))};
+  const SineVersine of = of_small(angle);
+  return {of.sine, 1 - of.versine};
 }
 
 /// Rx(a) Ry(b) Rz(c): the rotation of a pose error.
@@ -64,6 +72,12 @@ double saturated(double value, double limit) {
   const double ratio2 = (value / limit) * (value / limit);
   const double ratio8 = ratio2 * ratio2 * ratio2 * ratio2;
   return value / std::sqrt(std::sqrt(std::sqrt(1 + ratio8)));
+}
+
+/// Whether saturated() takes less than kUnlimited_rad: an eighth of the ratio's eighth power, told without roots.
+bool far_below(double value, double limit) {
+  const double square = value * value, power4 = square * square, limit2 = limit * limit, limit4 = limit2 * limit2;
+  return std::abs(value) * power4 * power4 < 8 * kUnlimited_rad * limit4 * limit4;
 }
 
 /// Changes of the tilting and of the turning axis, rad.
@@ -246,7 +260,8 @@ RotaryCorrection Corrector::rotary(const Stand& here, const ErrorField::Slopes& 
     left -= change.tilt * all_by_tilt + change.turn * all_by_turn;
     if (change.largest() < kConverged_rad) break;
   }
-  const double limited = saturated(q.turn, settings_.largest_rotary_change.in_radians());
+  const double limit = settings_.largest_rotary_change.in_radians();
+  const double limited = far_below(q.turn, limit) ? q.turn : saturated(q.turn, limit);
   if (!(std::abs(limited - q.turn) < kUnlimited_rad)) {
     // The tilting axis, undamped, at the C that is left.
     q.turn = limited;

@@ -196,12 +196,12 @@ Solution PathSolver::solved(const MotionBlock& block, const AxisValues& at) cons
 }
 
 void PathSolver::check(const AxisValues& at, const Solution& solution) const {
-  const double deviation = solution.linear.deviation_mm, tilt = solution.linear.error.rotation_rad.norm();
+  const double deviation = solution.linear.deviation_mm, tilt2 = solution.linear.error.rotation_rad.squaredNorm();
   if (deviation > guard_.limits.deviation.in_millimetres())
     throw RangeError("deviation " + text_of(deviation * 1e3, 1) + " um, limits.correction_um is " +
                      text_of(guard_.limits.deviation.in_micrometres(), 3));
-  if (tilt > guard_.limits.tilt.in_radians())
-    throw RangeError("tilt " + text_of(tilt * 1e6, 1) + " urad, limits.correction_urad is " +
+  if (tilt2 > squared(guard_.limits.tilt.in_radians()))
+    throw RangeError("tilt " + text_of(std::sqrt(tilt2) * 1e6, 1) + " urad, limits.correction_urad is " +
                      text_of(guard_.limits.tilt.in_microradians(), 3));
   const Vector3d& slides = solution.linear.tip_r_mm;
   for (std::size_t i = 0; i < kAxes; ++i) {
@@ -218,9 +218,9 @@ void PathSolver::check(const AxisValues& at, const Solution& solution) const {
 
 /// The correction's jump from one block to the next: a model that leaps would leave a mark on the part.
 void PathSolver::check_change(const Solution& before, const Solution& now) const {
-  const double change = (now.linear.change_mm - before.linear.change_mm).norm();
-  if (change > guard_.change.in_millimetres())
-    throw RangeError("the correction changes by " + text_of(change * 1e3, 1) +
+  const double change2 = (now.linear.change_mm - before.linear.change_mm).squaredNorm();
+  if (change2 > squared(guard_.change.in_millimetres()))
+    throw RangeError("the correction changes by " + text_of(std::sqrt(change2) * 1e3, 1) +
                      " um from the block before, limits.change_um is " + text_of(guard_.change.in_micrometres(), 3));
   for (const std::size_t i : {kTilt, kTurn}) {
     const Angle by = i == kTilt ? now.tilt_by - before.tilt_by : now.turn_by - before.turn_by;
@@ -309,8 +309,8 @@ std::optional<Eigen::Vector3d> PathSolver::moved_arc(const MotionBlock& block, c
 
 bool PathSolver::is_short(const MotionBlock& block) const {
   if (block.kind != BlockKind::feed || !block.from_known) return true;
-  return block.arc() == nullptr && turn_deg(block.from, block.target) <= kStraight_deg &&
-         length_mm(block.from, block.target) <= kStraight_mm;
+  return block.arc() == nullptr && turn2_deg2(block.from, block.target) <= squared(kStraight_deg) &&
+         length2_mm2(block.from, block.target) <= squared(kStraight_mm);
 }
 
 Way PathSolver::way(const MotionBlock& block, const Solution& end) const {

@@ -47,12 +47,14 @@ struct Way {
 
 /// Millimetres along X Y Z, and degrees over both rotary axes.
 inline double squared(double x) { return x * x; }
-inline double length_mm(const AxisValues& from, const AxisValues& to) {
-  return std::sqrt(squared(to[0] - from[0]) + squared(to[1] - from[1]) + squared(to[2] - from[2]));
+inline double length2_mm2(const AxisValues& from, const AxisValues& to) {
+  return squared(to[0] - from[0]) + squared(to[1] - from[1]) + squared(to[2] - from[2]);
 }
-inline double turn_deg(const AxisValues& from, const AxisValues& to) {
-  return std::sqrt(squared(to[kTilt] - from[kTilt]) + squared(to[kTurn] - from[kTurn]));
+inline double turn2_deg2(const AxisValues& from, const AxisValues& to) {
+  return squared(to[kTilt] - from[kTilt]) + squared(to[kTurn] - from[kTurn]);
 }
+inline double length_mm(const AxisValues& from, const AxisValues& to) { return std::sqrt(length2_mm2(from, to)); }
+inline double turn_deg(const AxisValues& from, const AxisValues& to) { return std::sqrt(turn2_deg2(from, to)); }
 
 /// Of R or W, from one of the program's frame, and back.
 Eigen::Vector3d out_of_frame(const MotionBlock& block, const Eigen::Vector3d& v);

@@ -28,7 +28,7 @@
 namespace trunnion {
 namespace {
 
-constexpr double kWorthBaking_bytes = 4e6;  // a bake costs as much as correcting this without
+constexpr double kWorthBaking_bytes = 1e6;  // a bake costs less than correcting this without
 
 struct Options {
   std::string machine, model, job, input, output, dialect, tcp = "auto", orientation = "on", report;

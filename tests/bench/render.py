@@ -9,7 +9,8 @@ GROUPS = {"machine": "The machine itself", "deviations": "Deviations at position
           "baking": "Preparing", "identification": "330 touches to error maps, in process",
           "reading": "Reading", "closure": "Closing the loop", "piece": "The test piece, all processors",
           "correct regular": "Correcting a regular program, file to file",
-          "correct irregular": "Correcting an irregular program, file to file"}
+          "correct irregular": "Correcting an irregular program, file to file",
+          "program parts": "The parts of correcting a regular program, one core, in memory"}
 # (group, the fast one, begins with; the other, begins with; wanted)
 RATIOS = [("deviations", "baked map", "scipy", 10),
           ("correct regular", "trunnion correct, two threads", "rs274", 12),

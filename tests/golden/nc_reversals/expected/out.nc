@@ -1,0 +1,11 @@
+(corrected by trunnion: model 5b5f3180ac38, machine Middle-size trunnion, serial 0001)
+G21 G90 G94 G17 G54
+G0 X10 Y5 Z50.01 A0 C0
+G1 X20.002 Z50.016 F10
+X20.0025
+X14.998 Z50.019
+G0 X-0.002
+C90 X0 Y5.002
+G1 G93 C89 Z50.025 F1
+G94 F1
+M2
