@@ -124,7 +124,7 @@ std::string summary(const ClosureResult& r, char tilt) {
   }
   if (const RotaryErrorMap* map = r.model.rotary_map()) {
     const std::vector<ErrorFinding> errors = summarise(map->content(), tilt);
-    if (!errors.empty())
+    if (std::ranges::any_of(errors, &ErrorFinding::seen))
       text += "\nThe rotary maps with all of this taken out\n" + errors_table(errors, tilt) + "\n" +
               worst_error_plot(*map, errors, tilt);
   }

@@ -116,8 +116,11 @@ void write_tests(const Options& o, const Machine& machine, const std::optional<M
     folder.add(file, sign_program(machine, name));
     written += ", " + file;
   } else {
+    folder.add("sign_test.DRAFT.nc", sign_program(machine, "plain"));
+    written += ", sign_test.DRAFT.nc";
     talk.warn(
-        "no dialect is known of this control: the stops of sign_test.csv are to be commanded by hand (--dialect)");
+        "no dialect is known of this control: sign_test.DRAFT.nc has plain ISO words; read it before it is run, or "
+        "command the stops of sign_test.csv by hand");
   }
   if (model) {
     const KinematicChain chain(machine);

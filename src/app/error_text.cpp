@@ -47,9 +47,16 @@ std::string errors_table(const std::vector<ErrorFinding>& errors, char tilt) {
   std::vector<std::vector<std::string>> rows = {{"error", "largest", "std", "unit", "at", "p", "told from zero"}};
   for (const ErrorFinding& e : errors) {
     const bool of_c = e.symbol.back() == 'C';
-    rows.push_back({e.symbol, formatted("%.3f", to_unit(e.largest, e.unit)),
-                    formatted("%.3f", to_unit(e.largest_std, e.unit)), std::string(unit_text(e.unit).text),
-                    position_text(e.largest_at, tilt, of_c), p_value_text(e.p_value), e.told_from_zero ? "yes" : "no"});
+    if (!e.seen()) {
+      rows.push_back({e.symbol, "-", "-", std::string(unit_text(e.unit).text), "-", "-", "not seen"});
+      continue;
+    }
+    rows.push_back(
+        {e.symbol, formatted("%.3f", to_unit(e.largest, e.unit)), formatted("%.3f", to_unit(e.largest_std, e.unit)),
+         std::string(unit_text(e.unit).text), position_text(e.largest_at, tilt, of_c), p_value_text(e.p_value),
+         std::string(e.told_from_zero ? "yes" : "no") +
+             (e.unseen > 0 ? ", " + std::to_string(e.unseen) + " of " + std::to_string(e.nodes) + " nodes not seen"
+                           : "")});
   }
   return text_table(rows);
 }

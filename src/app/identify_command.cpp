@@ -31,17 +31,21 @@ struct Options {
 
 /// What was found, in one sentence.
 std::string verdict(const IdentificationResult& r, char tilt) {
-  if (r.errors.empty()) return "no error was determined";
+  const auto unseen = std::ranges::count(r.errors, false, &ErrorFinding::seen);
+  if (unseen == std::ssize(r.errors))
+    return "these readings determine none of the errors: see what is not seen, and touch more at each position";
   const auto told = std::ranges::count(r.errors, true, &ErrorFinding::told_from_zero);
   const ErrorFinding& worst = worst_error(r.errors);
-  return std::to_string(told) + " of " + std::to_string(r.errors.size()) +
-         " errors are told from zero, the largest is " + worst.symbol + ", " +
+  return std::to_string(told) + " of " + std::to_string(r.errors.size()) + " errors are told from zero" +
+         (unseen > 0 ? ", " + std::to_string(unseen) + " are not seen" : std::string()) + ", the largest is " +
+         worst.symbol + ", " +
          with_uncertainty(to_unit(worst.largest, worst.unit), to_unit(worst.largest_std, worst.unit)) + " " +
          std::string(unit_text(worst.unit).text) + " at " +
          position_text(worst.largest_at, tilt, worst.symbol.back() == 'C') +
          (r.chi_square_p < 1e-3
               ? ", and the readings scatter more than declared: something is missing, run trunnion close"
-              : ", and the readings scatter as declared");
+          : r.freedom < 1 ? ", and no reading checks another"
+                          : ", and the readings scatter as declared");
 }
 
 enum class Verbose { no, yes };
@@ -54,7 +58,10 @@ std::string summary(const IdentificationResult& r, const Machine& machine, Verbo
                      "\n";
   text += formatted("Sigma found %.3f um", r.sigma_found_um) + formatted(", declared %.3f um", r.sigma_declared_um) +
           formatted("; reduced chi-square %.3f", r.reduced_chi_square) + formatted(" (p %.2g)", r.chi_square_p) +
-          (r.chi_square_p < 1e-3 ? ": more scatter than the probe has, see trunnion close" : ": as declared") + "\n";
+          (r.chi_square_p < 1e-3 ? ": more scatter than the probe has, see trunnion close"
+           : r.freedom < 1       ? ": nothing is left to judge it by"
+                                 : ": as declared") +
+          "\n";
   if (r.uncertainty_scale > 1)
     text += formatted("Standard uncertainties are enlarged by %.2f accordingly\n", r.uncertainty_scale);
   if (r.belief)
@@ -64,7 +71,8 @@ std::string summary(const IdentificationResult& r, const Machine& machine, Verbo
           ", readings that nothing checks: " + std::to_string(r.unchecked.size()) + "\n\n";
 
   text += errors_table(r.errors, tilt);
-  if (const RotaryErrorMap* map = r.model.rotary_map(); map != nullptr && !r.errors.empty()) {
+  if (const RotaryErrorMap* map = r.model.rotary_map();
+      map != nullptr && std::ranges::any_of(r.errors, &ErrorFinding::seen)) {
     text += "\n" + worst_error_plot(*map, r.errors, tilt);
     if (verbose == Verbose::yes) text += "\nAt every node\n" + nodes_table(*map, tilt);
   }

@@ -1,5 +1,6 @@
 #include "conventions/machine_checks.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -204,6 +205,58 @@ Check gauge(const Machine& machine, const KinematicChain& chain) {
   return check;
 }
 
+/// What the chain itself makes of a rotary axis that stands `zero` further than commanded: the error of the workpiece
+/// against the tool at R's origin, the reference pose set up alike.
+PoseError of_wrong_zero(const KinematicChain& chain, IndexedPosition at, const IndexedPosition& zero,
+                        const ToolPlace& tool) {
+  const auto moved = [&](IndexedPosition p) { return IndexedPosition{p.a + zero.a, p.c + zero.c}; };
+  const Eigen::Isometry3d nominal = chain.r_from_w(at);
+  PoseError error = pose_error(chain.r_from_w(moved(at)) * chain.r_from_w(moved({})).inverse(Eigen::Isometry) *
+                               nominal.inverse(Eigen::Isometry));
+  const Eigen::Vector3d gauge_line(0, 0, -tool.length_mm);
+  const auto tip = [&](IndexedPosition p) -> Eigen::Vector3d {
+    return chain.r_from_t(moved(p)) * gauge_line - chain.r_from_t(p) * gauge_line;
+  };
+  const auto turn = [&](IndexedPosition p) -> Eigen::Vector3d {
+    const Eigen::AngleAxisd about(
+        Eigen::Matrix3d(chain.r_from_t(moved(p)).linear() * chain.r_from_t(p).linear().transpose()));
+    return about.angle() * about.axis();
+  };
+  const Eigen::Vector3d turned = turn(at) - nominal.linear() * turn({});
+  error.rotation_rad -= turned;
+  error.translation_mm -= tip(at) - nominal.linear() * tip({}) + tool.tip_r_mm.cross(turned);
+  return error;
+}
+
+/// A constant about an axis' own line is a wrong zero of that axis, on the table's side as on the tool's: the error
+/// functions must say of it what the chain says of the command. The signs of both stand or fall together.
+Check axis_zero(const Machine& machine, const KinematicChain& chain) {
+  constexpr double kZero_rad = 1e-5;
+  const ToolPlace tool{{40, -30, 60}, kToolLength_mm};
+  double largest = 0;
+  for (std::size_t index = 0; index < chain.rotary_joints().size(); ++index) {
+    const bool tilt = index == chain.tilt_index();
+    RotaryErrors constant;
+    (tilt ? constant.tilt : constant.turn).rotation_rad = kZero_rad * chain.rotary_joints()[index].direction;
+    const Angle zero = Angle::radians(kZero_rad);
+    for (const IndexedPosition at : positions_of(machine)) {
+      const PoseError apart =
+          relative_pose_error(chain, at, constant, constant, tool) -
+          of_wrong_zero(chain, at, tilt ? IndexedPosition{zero, {}} : IndexedPosition{{}, zero}, tool);
+      largest = std::max(
+          {largest, apart.translation_mm.norm() / (kZero_rad * kLever_mm), apart.rotation_rad.norm() / kZero_rad});
+    }
+  }
+  Check check{.id = "law.axis_zero", .outcome = Outcome::passed, .found = {}, .advice = {}};
+  check.found = "a constant about an axis' own line displaces as a wrong zero of that axis does, to " +
+                formatted("%.1e", largest) + " of it";
+  if (largest > kSecondOrder) {
+    check.outcome = Outcome::failed;
+    check.advice = "this structure is not understood as it must be: correct nothing with it";
+  }
+  return check;
+}
+
 /// R's origin told elsewhere: axes of the table and points move along, deviations stay.
 Check origin_shift(const Machine& machine) {
   const Eigen::Vector3d shift(31, -17, 53);
@@ -251,6 +304,7 @@ Checks machine_checks(const Machine& machine) {
           crossing(chain),
           reference_pose(machine),
           gauge(machine, chain),
+          axis_zero(machine, chain),
           origin_shift(machine)};
 }
 

@@ -37,6 +37,7 @@ struct Words {
   std::string comment_open, comment_close;
   std::string stop;
   bool klartext = false;
+  bool comments = true;
 };
 
 Words words_of(const std::string& dialect) {
@@ -44,6 +45,10 @@ Words words_of(const std::string& dialect) {
   if (dialect == "fanuc") return {"%\nO7001(SIGN TEST)\nG21 G90 G49\n", "M30\n%\n", "(", ")", "M0"};
   if (dialect == "sinumerik") return {"TRAFOOF\nG71 G90\n", "M30\n", "; ", "", "M0"};
   if (dialect == "heidenhain") return {"0 BEGIN PGM SIGNTEST MM\n", "END PGM SIGNTEST MM\n", "; ", "", "STOP", true};
+  // Words that ISO 6983 has for everybody, and no comments, which every control writes in its own way.
+  if (dialect == "plain")
+    return {
+        .before = "G90\n", .after = "M30\n", .comment_open = {}, .comment_close = {}, .stop = "M0", .comments = false};
   throw UsageError("sign test: the dialect \"" + dialect + "\" is not known");
 }
 
@@ -67,7 +72,9 @@ std::string sign_program(const Machine& machine, const std::string& dialect) {
   const auto line = [&](const std::string& what) {
     text += (w.klartext ? std::to_string(block++) + " " : std::string()) + what + "\n";
   };
-  const auto say = [&](const std::string& what) { line(w.comment_open + what + w.comment_close); };
+  const auto say = [&](const std::string& what) {
+    if (w.comments) line(w.comment_open + what + w.comment_close);
+  };
   text += w.before;
   if (w.klartext) line("M129");
   say("Sign test of the rotary axes. Only they move, one at a time, and none of X Y Z.");

@@ -21,7 +21,7 @@ struct SignStep {
 std::vector<SignStep> sign_steps(const Machine& machine);
 
 /// The test as a short program. It moves the rotary axes only, one at a time, and stops at each position for a mark on
-/// the table to be touched by hand. `dialect` is linuxcnc, fanuc, sinumerik or heidenhain.
+/// the table to be touched by hand. `dialect` is linuxcnc, fanuc, sinumerik or heidenhain; plain: ISO words alone.
 std::string sign_program(const Machine& machine, const std::string& dialect);
 
 /// The form beside it (CSV): a row a stop, with blanks for the machine's X Y Z at which the tool met the mark, and in

@@ -8,6 +8,11 @@
 #include "model/effects/location_errors.h"
 
 namespace trunnion {
+namespace {
+
+constexpr double kExact = 1e-10;  ///< mm or rad: no instrument is that good
+
+}  // namespace
 
 LocationFinding find_locations(std::span<const IndexedPosition> at, const Eigen::VectorXd& delta,
                                const Eigen::MatrixXd& covariance, const Machine& machine) {
@@ -46,13 +51,21 @@ std::vector<ErrorFinding> summarise(const RotaryMapContent& content, char tilt_l
       for (std::size_t i = 0; i < content.grid.a_stations.size(); ++i)
         for (std::size_t j = 0; j < (turn ? content.grid.c_stations.size() : 1); ++j) {
           const std::size_t k = (turn ? content.grid.turn_offset(i, j) : content.grid.tilt_offset(i)) + c;
-          if (!content.unseen.empty() && content.unseen[k]) continue;
+          ++f.nodes;
+          if (!content.unseen.empty() && content.unseen[k]) {
+            ++f.unseen;
+            continue;
+          }
           rows.push_back(static_cast<Eigen::Index>(k));
           places.push_back({content.grid.a_stations[i], turn ? content.grid.c_stations[j] : Angle()});
         }
-      if (!rows.empty()) {
+      Eigen::MatrixXd covariance;
+      if (!rows.empty()) covariance = content.grid_covariance(rows, rows);
+      // Nodes that are exact are the reference, zero by definition: no reading told them.
+      const bool exact = !rows.empty() && covariance.diagonal().maxCoeff() < kExact * kExact;
+      if (exact) f.unseen = f.nodes;
+      if (!rows.empty() && !exact) {
         const Eigen::VectorXd v = values(rows);
-        const Eigen::MatrixXd covariance = content.grid_covariance(rows, rows);
         Eigen::Index largest = 0;
         v.cwiseAbs().maxCoeff(&largest);
         f.largest = v[largest];

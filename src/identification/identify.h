@@ -47,6 +47,10 @@ struct ErrorFinding {
   double rms_std = 0;
   double p_value = 1;           ///< that noise alone would give as much
   bool told_from_zero = false;  ///< p_value below 1 %
+  std::size_t nodes = 0;        ///< of the function
+  std::size_t unseen = 0;       ///< those of them that no reading determines; all: there is no value
+
+  bool seen() const { return unseen < nodes; }
 };
 
 /// One angle whose poses were left out together, and how far they were missed.

@@ -91,11 +91,18 @@ json identification_json(const IdentificationResult& r, const Machine& machine,
   }
   json errors = json::object();
   for (const ErrorFinding& e : r.errors) {
-    errors[e.symbol] = {{"largest", to_unit(e.largest, e.unit)}, {"std", to_unit(e.largest_std, e.unit)},
-                        {"unit", unit_text(e.unit).text},        {"at", position_json(e.largest_at, tilt)},
-                        {"rms_std", to_unit(e.rms_std, e.unit)}, {"p_value", e.p_value},
-                        {"told_from_zero", e.told_from_zero}};
-    if (e.symbol.back() != 'C') errors[e.symbol]["at"].erase("C_deg");
+    errors[e.symbol] = {{"largest", to_unit(e.largest, e.unit)},
+                        {"std", to_unit(e.largest_std, e.unit)},
+                        {"unit", unit_text(e.unit).text},
+                        {"at", position_json(e.largest_at, tilt)},
+                        {"rms_std", to_unit(e.rms_std, e.unit)},
+                        {"p_value", e.p_value},
+                        {"told_from_zero", e.told_from_zero},
+                        {"nodes", e.nodes},
+                        {"nodes_unseen", e.unseen}};
+    if (!e.seen())
+      for (const char* none : {"largest", "std", "at", "rms_std", "p_value"}) errors[e.symbol][none] = nullptr;
+    if (e.seen() && e.symbol.back() != 'C') errors[e.symbol]["at"].erase("C_deg");
   }
   j["errors"] = std::move(errors);
   json evidence = json::object();

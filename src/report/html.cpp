@@ -24,7 +24,19 @@ std::string with_true_minus(std::string text) {
 }
 
 bool is_number(const std::string& cell) {
-  return !cell.empty() && (std::isdigit(static_cast<unsigned char>(cell[0])) != 0 || cell.starts_with("−"));
+  const std::size_t at = cell.starts_with("&lt;") ? cell.find_first_not_of(' ', 4) : 0;  // "<1e-16" is a number as well
+  return at < cell.size() && (std::isdigit(static_cast<unsigned char>(cell[at])) != 0 || cell.compare(at, 3, "−") == 0);
+}
+
+/// Whether a column is one of numbers: any number in it, and nothing else but dashes.
+bool is_of_numbers(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
+  bool any = false;
+  for (const auto& row : rows) {
+    if (column >= row.size() || row[column].empty() || row[column] == "–") continue;
+    if (!is_number(row[column])) return false;
+    any = true;
+  }
+  return any;
 }
 
 }  // namespace
@@ -44,7 +56,9 @@ std::string html_table(const std::string& caption, const std::vector<std::string
                        const std::vector<std::vector<std::string>>& rows) {
   std::string text = "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + escaped(caption) +
                      "\"><table><caption>" + escaped(caption) + "</caption>\n<thead><tr>";
-  for (const std::string& cell : head) text += "<th scope=\"col\">" + cell + "</th>";
+  for (std::size_t k = 0; k < head.size(); ++k)
+    text += (k > 0 && is_of_numbers(rows, k) ? "<th scope=\"col\" class=\"number\">" : "<th scope=\"col\">") + head[k] +
+            "</th>";
   text += "</tr></thead>\n<tbody>\n";
   for (const auto& row : rows) {
     text += "<tr>";

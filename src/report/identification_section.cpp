@@ -5,6 +5,7 @@
 #include "report/chart.h"
 #include "report/html.h"
 #include "report/sections.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -112,18 +113,26 @@ std::string position(const json& at) {
   if (at.is_object())
     for (const auto& [key, value] : at.items())
       if (value.is_number())
-        text +=
-            (text.empty() ? "" : ", ") + key.substr(0, 1) + " " + quantity(value.get<double>(), std::nullopt, "") + "°";
+        text += (text.empty() ? "" : ", ") + key.substr(0, 1) + "\u00a0" +
+                quantity(value.get<double>(), std::nullopt, "") + "°";
   return text;
 }
 
 std::string error_table(const json& fit) {
   std::vector<std::vector<std::string>> rows;
-  for (const auto& [symbol, e] : fit["errors"].items())
+  for (const auto& [symbol, e] : fit["errors"].items()) {
+    const double nodes = number_at(e, {"nodes"}).value_or(0), unseen = number_at(e, {"nodes_unseen"}).value_or(0);
+    if (nodes > 0 && unseen == nodes) {
+      rows.push_back({escaped(symbol), "–", "", "–", "not seen"});
+      continue;
+    }
+    const std::string hidden =
+        unseen > 0 ? ", " + fixed_text(unseen, 0) + " of " + fixed_text(nodes, 0) + " nodes not seen" : "";
     rows.push_back({escaped(symbol),
                     quantity(number_at(e, {"largest"}).value_or(NAN), number_at(e, {"std"}), text_at(e, "unit")),
                     e.contains("at") ? position(e["at"]) : "", probability(number_at(e, {"p_value"}).value_or(1)),
-                    e.value("told_from_zero", false) ? "yes" : "no"});
+                    (e.value("told_from_zero", false) ? "yes" : "no") + hidden});
+  }
   return html_table("The twelve errors of the rotary axes where each is largest",
                     {"error", "largest, with standard uncertainty", "at", "p of being zero", "told from zero"}, rows);
 }
@@ -203,7 +212,8 @@ Section identification_section(const Evidence& evidence) {
                quantity(e["largest"].get<double>(), number_at(e, {"std"}), unit) + "</strong> at " +
                position(e.contains("at") ? e["at"] : json());
     }
-    section.sentence = "The largest errors of the rotary axes: " + names + " (standard uncertainty).";
+    section.sentence = names.empty() ? "These readings determine none of the errors of the rotary axes."
+                                     : "The largest errors of the rotary axes: " + names + " (standard uncertainty).";
   }
   if (const json* map = map_of(model)) section.html += map_charts(*map);
   if (fitted) section.html += location_table(model["fit"]);

@@ -62,17 +62,21 @@ std::string still_map(const Flank& flank, const std::string& cut, const std::vec
 std::string polar_plots(const NumberColumns& columns, const json& prediction) {
   const auto flank = flank_of(columns, prediction);
   if (!flank) return "";
-  const double half_angle = number_at(prediction, {"piece", "half_angle_deg"}).value_or(0);
+  const Angle half_angle = Angle::degrees(number_at(prediction, {"piece", "half_angle_deg"}).value_or(0));
+  const double base_radius_mm = number_at(prediction, {"piece", "base_diameter_mm"}).value_or(0) / 2;
+  const EvaluationOptions evaluation{.filter_upr = number_at(prediction, {"filter_upr"})};
+  if (!(base_radius_mm > 0)) return "";  // roundness is told about a circle
   std::string figures;
   for (std::size_t j = 0; j < flank->heights_mm.size(); ++j) {
     std::vector<PolarCurve> curves;
     for (const auto& [cut, values_um] : flank->cuts_um) {
-      ConeTrace trace{.h_mm = flank->heights_mm[j]};
+      ConeTrace trace{.h_mm = flank->heights_mm[j],
+                      .nominal_radius_mm = base_radius_mm - flank->heights_mm[j] * std::tan(half_angle.in_radians())};
       for (std::size_t k = 0; k < flank->turns; ++k) {
         trace.phi_rad.push_back(2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(flank->turns));
         trace.normal_mm.push_back(1e-3 * values_um[j * flank->turns + k]);
       }
-      curves.push_back({cut, radial_trace(trace, Angle::degrees(half_angle))});
+      curves.push_back({cut, radial_trace(trace, half_angle, evaluation)});
     }
     const std::string h = quantity(flank->heights_mm[j], std::nullopt, "mm");
     figures += element("figure",

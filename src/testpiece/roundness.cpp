@@ -29,6 +29,8 @@ Trace checked(const RoundnessTrace& given) {
   const std::size_t n = given.phi_rad.size();
   if (n != given.radial_mm.size() || n < 4)
     throw InputError("a roundness trace of " + std::to_string(n) + " points; four or more are wanted");
+  if (!(given.nominal_radius_mm + *std::ranges::min_element(given.radial_mm) > 0))
+    throw InputError("a roundness trace reaches its nominal centre; points of a circle about it are wanted");
   Trace trace{given.nominal_radius_mm, {}, given.radial_mm, {}};
   trace.direction.reserve(n);
   for (const double phi : given.phi_rad) trace.direction.emplace_back(std::cos(phi), std::sin(phi));

@@ -7,7 +7,8 @@
 namespace trunnion {
 
 /// A closed trace in one plane: where the surface stands beyond (+) or within (-) a nominal circle, in the order of
-/// phi or not. Throws where used: InputError unless it has four points or more and no gap of half a turn.
+/// phi or not. Throws where used: InputError unless it has four points or more, no gap of half a turn, and none
+/// at or beyond the nominal centre.
 struct RoundnessTrace {
   double nominal_radius_mm = 0;
   std::vector<double> phi_rad;

@@ -45,6 +45,8 @@ TEST(MachineChecks, TheLawsHoldOnEveryMachineFile) {
     const Checks checks = machine_checks(read_machine(entry.path().string()));
     for (const Check& check : checks) EXPECT_NE(check.outcome, Outcome::failed) << entry.path() << ": " << check.found;
     EXPECT_EQ(named(checks, "law.gauge").outcome, Outcome::passed) << entry.path();
+    EXPECT_EQ(named(checks, "law.axis_zero").outcome, Outcome::passed)
+        << entry.path() << ": " << named(checks, "law.axis_zero").found;
     ++files;
   }
   EXPECT_GE(files, 10);

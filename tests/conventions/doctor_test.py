@@ -85,6 +85,16 @@ def main():
                        for line in text.read_text(encoding="utf-8").splitlines() if not line.lstrip("0123456789 ").startswith(("(", ";"))
                        for word in line.split()))
 
+    # A control without a dialect of ours gets plain words, marked as a draft: the moves of the rotary axes, five stops.
+    plain = out / "aerotech.toml"
+    plain.write_text(machine.read_text(encoding="utf-8").replace('controller = "linuxcnc"', 'controller = "aerotech"'),
+                     encoding="utf-8")
+    said = run(program, "doctor", "--machine", plain, "-o", out / "plain")
+    words = (out / "plain/sign_test.DRAFT.nc").read_text(encoding="utf-8").split("\n")
+    wanted(f"a draft in plain words: {words}", [line.split()[0] for line in words if line] ==
+           ["G90", "M0", "G0", "M0", "G0", "M0", "G0", "M0", "G0", "M0", "G0", "M30"])
+    wanted("the draft is not said to be one: " + said.stderr, "read it before it is run" in said.stderr)
+
     form = out / "linuxcnc/sign_test.csv"
     blank = run(program, "doctor", "--machine", machine, "--form", form, status=2)
     wanted("a blank form: " + blank.stderr, "left blank" in blank.stderr and "sign_test.csv:" in blank.stderr)

@@ -47,8 +47,14 @@ async function opened(browser, options = {}) {
   return page;
 }
 
-/// A hash of what an element shows.
-const shown = async (locator) => (await locator.screenshot()).toString("base64");
+/// Into the window at once; playwright's own way waits for frames, which a busy machine does not draw.
+const bring = (locator) => locator.evaluate((element) => element.scrollIntoView({ block: "center" }));
+
+/// What an element shows.
+async function shown(locator) {
+  await bring(locator);
+  return (await locator.page().screenshot({ clip: await locator.boundingBox() })).toString("base64");
+}
 
 async function checkText(page) {
   const text = fs.readFileSync(file, "utf8");
@@ -61,6 +67,23 @@ async function checkText(page) {
   for (const id of SECTIONS)
     check((await page.locator(`section#${id} h2`).count()) === 1, `section ${id} is missing`);
   check(!/\bnan\b|\binf\b|undefined/i.test(await page.locator("main").innerText()), "a number is missing: nan, inf or undefined");
+}
+
+/// A roundness plot says of a cut what the table beside it says.
+async function checkRoundness(page) {
+  const rows = await page.locator("section#piece table").first().locator("tbody tr").evaluateAll((list) =>
+    list.map((row) => [...row.cells].map((cell) => cell.textContent.replace(/\u00a0/g, " ").replace("\u2212", "-"))));
+  const plots = page.locator("section#piece figure.picture", { hasText: "Roundness at h" });
+  let compared = 0;
+  for (const plot of await plots.all()) {
+    const height = (await plot.locator("figcaption").textContent()).replace(/\u00a0/g, " ").match(/h = (.*)/)[1];
+    for (const [, cut, lsc] of (await plot.locator("svg").textContent()).matchAll(/(\w+): LSC ([\d.]+) um/g)) {
+      const row = rows.find((cells) => cells[0] === cut && cells[1] === height);
+      check(row && Math.abs(parseFloat(row[2]) - lsc) < 0.006, `${cut} at ${height}: LSC ${lsc} um drawn, the table has ${row?.[2]}`);
+      ++compared;
+    }
+  }
+  check(compared >= 9, `${compared} roundness values compared`);
 }
 
 /// Every axis has a unit, every picture a name for the screen reader.
@@ -83,7 +106,7 @@ async function checkLabels(page) {
 async function checkCharts(page) {
   const chart = page.locator("section#identification figure.chart").first();
   const live = chart.locator(".live");
-  await chart.scrollIntoViewIfNeeded();
+  await bring(chart);
   check((await live.locator("canvas").count()) > 0, "the charts are not alive");
   // The values under the pointer are those of the result.
   const told = JSON.parse(await chart.locator("script").textContent());
@@ -104,10 +127,9 @@ async function checkCharts(page) {
 
 async function checkPart(page) {
   const part = page.locator("figure.part").first();
-  await part.scrollIntoViewIfNeeded();
   const canvas = part.locator("canvas");
-  const box = await canvas.boundingBox();
   const before = await shown(canvas);
+  const box = await canvas.boundingBox();
   await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2);
   await page.mouse.down();
   await page.mouse.move(box.x + box.width / 4 + 90, box.y + box.height / 2 + 20, { steps: 4 });
@@ -163,6 +185,7 @@ async function main() {
   const page = await opened(browser, { colorScheme: "light" });
   await checkText(page);
   await checkLabels(page);
+  await checkRoundness(page);
   await checkCharts(page);
   await checkPart(page);
   await page.mouse.move(5, 5);
@@ -175,8 +198,19 @@ async function main() {
   check((await paper()) === "rgb(255, 255, 255)", "the page is not printed on white");
   const pdf = await page.pdf({ format: "A4", path: path.join(pictures, "print.pdf"), preferCSSPageSize: true });
   check(pdf.length > 20000, "nothing is printed");
+  const sheets = [...pdf.toString("latin1").matchAll(/\/MediaBox\s*\[\s*0\s+0\s+([\d.]+)\s+([\d.]+)\s*\]/g)];
+  check(sheets.length > 0 && sheets.every(([, w, h]) => Math.abs(w - 595.3) < 1.5 && Math.abs(h - 841.9) < 1.5),
+    `sheets of the print are not A4: ${sheets.map((sheet) => sheet[0]).slice(0, 3)}`);
   await page.context().close();
   const dark = await opened(browser, { colorScheme: "dark" });
+  // The pictures that `predict` draws follow the page: no white sheets, letters in the page's ink, lines in its palette.
+  const colours = await dark.locator("figure.picture svg").first().evaluate((svg) => {
+    const of = (selector, property) => getComputedStyle(svg.querySelector(selector))[property];
+    return { paper: of(".paper", "fill"), text: of("text", "fill"), line: of(".line.s0", "stroke"), ink: getComputedStyle(document.body).color };
+  });
+  check(colours.paper === "none", `dark: a picture lies on ${colours.paper}`);
+  check(colours.text === colours.ink, `dark: a picture's letters are ${colours.text}, the page's ${colours.ink}`);
+  check(colours.line === "rgb(86, 180, 233)", `dark: a picture's first line is ${colours.line}`);
   await dark.screenshot({ path: path.join(pictures, "dark.png"), fullPage: true });
   await dark.context().close();
   await checkStill(browser);

@@ -168,6 +168,10 @@ TEST(Roundness, RefusesATraceThatDoesNotGoRound) {
   EXPECT_THROW(minimum_zone_circle(half), InputError);
   EXPECT_THROW(least_squares_circle({.nominal_radius_mm = 10, .phi_rad = {0, 2, 4}, .radial_mm = {0, 0, 0}}),
                InputError);
+  // A nominal radius left out.
+  EXPECT_THROW(least_squares_circle(even_trace(12, 0, [](double phi) { return 1e-3 * std::cos(2 * phi); })),
+               InputError);
+  EXPECT_THROW(minimum_zone_circle(even_trace(12, 5, [](double phi) { return 6 * std::cos(phi); })), InputError);
 }
 
 }  // namespace
