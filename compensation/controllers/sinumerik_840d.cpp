@@ -61,7 +61,7 @@ std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& 
     const Eigen::VectorXd f = whole.rowwise().mean();
     const Eigen::RowVectorXd g = (whole.colwise() - f).colwise().mean();
     const Eigen::MatrixXd rest = (whole.colwise() - f).rowwise() - g;
-    const auto add = [&](Curve c, double mean_square, std::optional<Curve> factor = {}) {
+    const auto add = [&, output = output](Curve c, double mean_square, std::optional<Curve> factor = {}) {
       terms.push_back({output, std::move(c), std::move(factor), 0, weight * mean_square});
     };
     if (output == a) {

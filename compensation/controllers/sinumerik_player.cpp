@@ -84,7 +84,8 @@ class Sinumerik : public PlayedCompensation {
       if (!t || *t < 0 || *t > 9999)
         throw InputError(file.name, "$AN_CEC_STEP[" + index + "]: a table index is wanted");
       HeldTable table;
-      table.curve = reader.curve("$AN_CEC", index, [&](std::size_t n) { return index + "," + std::to_string(n); });
+      table.curve = reader.curve("$AN_CEC", index,
+                                 [&, &index = index](std::size_t n) { return index + "," + std::to_string(n); });
       table.curve.input = letter(file, reader.text("$AN_CEC_INPUT_AXIS", index));
       table.output = std::string(1, letter(file, reader.text("$AN_CEC_OUTPUT_AXIS", index)));
       table.direction = static_cast<int>(reader.number("$AN_CEC_DIRECTION", index));

@@ -10,7 +10,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 machine=../calibrate/machine.toml
 
 "$trunnion" identify --quiet --machine $machine --observations calibration.csv -o "$out/before.json" >"$out/identify.txt"
-"$trunnion" close --machine $machine --observations calibration.csv --verification later.csv -o "$out/closed" \
+"$trunnion" close --machine $machine --observations calibration.csv --verification later.csv \
+  --predict ../predict/piece.toml -o "$out/closed" \
   >"$out/close.txt"
 # The program, with the reversal of C taken out as well: closed/model.json is the extended model.
 "$trunnion" correct --machine $machine --model "$out/closed/model.json" --job ../correct/job.toml ../correct/part.ngc \

@@ -9,6 +9,7 @@
 #include "app/error_text.h"
 #include "app/map_change.h"
 #include "app/piece_closure.h"
+#include "app/piece_outlook.h"
 #include "app/progress.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
@@ -27,7 +28,7 @@ namespace trunnion {
 namespace {
 
 struct Options {
-  std::string machine, observations, verification, output, active, active_only;
+  std::string machine, observations, verification, output, active, active_only, predict;
   PieceFiles piece;
 };
 
@@ -184,7 +185,6 @@ int run(const Options& o, const Talk& talk) {
     const Progress progress(talk, "search " + std::to_string(all.rows.size()) + " readings");
     result = close_loop(all, calibration_rows, machine);
   }
-  const nlohmann::json provenance = provenance_json(inputs);
   nlohmann::json closure = closure_json(result);
   if (piece) closure["piece"] = piece->json(result, piece_rows);
   closure["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
@@ -195,6 +195,17 @@ int run(const Options& o, const Talk& talk) {
     } catch (const RangeError& e) {
       talk.warn(std::string(e.what()) + "; the change of the map at the corners is left out");
     }
+  std::string outlook;
+  if (!o.predict.empty()) try {
+      std::vector<std::string> notes;
+      const Progress progress(talk, "prediction of " + o.predict);
+      closure["predicted_piece"] = piece_outlook(machine, result, o.predict, o.piece.job, inputs, notes);
+      outlook = piece_outlook_text(closure["predicted_piece"]);
+      for (const std::string& note : notes) talk.warn(note);
+    } catch (const RangeError& e) {
+      talk.warn(std::string(e.what()) + "; the prediction is left out");
+    }
+  const nlohmann::json provenance = provenance_json(inputs);
   closure.update(provenance);
   nlohmann::json fit = {{"method", "closure"},
                         {"verdict", closure["verdict"]},
@@ -213,7 +224,7 @@ int run(const Options& o, const Talk& talk) {
   if (piece) folder.add("piece.csv", piece->csv(result, piece_rows));
   folder.commit();
   talk.show(summary(result, machine.tilt_letter()) + (changes.empty() ? "" : corner_text(changes)) +
-            (piece ? piece_text(closure["piece"]) : ""));
+            (piece ? piece_text(closure["piece"]) : "") + outlook);
   if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
   talk.say("wrote " + o.output + "/closure.json, model.json, residuals.csv");
   return 0;
@@ -254,9 +265,12 @@ Command close_command(CLI::App& program, const Talk& talk) {
       ->type_name("N.nc")
       ->needs(piece)
       ->group("Piece");
-  app->add_option("--job", o->piece.job, "Work offsets and covariates of that program (TOML)")
+  app->add_option("--job", o->piece.job, "Work offsets and covariates of the piece (TOML)")
       ->type_name("J.toml")
-      ->needs(piece)
+      ->group("Piece");
+  app->add_option("--predict", o->predict,
+                  "A test piece that is to be cut (TOML): its roundness by the maps alone and with what was found")
+      ->type_name("P.toml")
       ->group("Piece");
   app->add_option("-o,--output", o->output, "Folder for closure.json, model.json, residuals.csv and piece.csv")
       ->required()
@@ -265,7 +279,9 @@ Command close_command(CLI::App& program, const Talk& talk) {
   app->footer(
       "Example:\n  trunnion close --machine machine.toml --observations calibration.csv --verification later.csv -o "
       "closed\n  trunnion close "
-      "--machine machine.toml --observations calibration.csv --piece piece.toml --measured traces.csv -o closed");
+      "--machine machine.toml --observations calibration.csv --piece piece.toml --measured traces.csv -o closed\n  "
+      "trunnion close --machine machine.toml "
+      "--observations calibration.csv --predict piece.toml -o closed");
   return {app, [o, &talk] { return run(*o, talk); }};
 }
 

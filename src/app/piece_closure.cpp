@@ -14,12 +14,6 @@
 #include "testpiece/tool_path.h"
 
 namespace trunnion {
-namespace {
-
-constexpr int kStepsPerTurn = 7200;
-
-}  // namespace
-
 PieceClosure::PieceClosure(const PieceFiles& files, const Machine& machine, std::vector<std::string>& inputs)
     : piece_(read_piece(files.piece)), measured_(read_measured_piece(files.measured, piece_)) {
   for (const std::string* file : {&files.piece, &files.measured, &files.program, &files.job})

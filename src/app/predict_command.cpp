@@ -37,7 +37,7 @@ struct Options {
   double filter_upr = 0, magnify = 0;
   int draws = 2000;
   std::uint64_t seed = 1;
-  int steps = 7200;
+  int steps = kStepsPerTurn;
 };
 
 class Prediction {
