@@ -54,6 +54,21 @@ std::string_view bare(std::string_view line) {
   return line.substr(first, line.find_last_not_of(blanks) + 1 - first);
 }
 
+/// A text without what no control reads: ; and (...) but where they belong to a call, as in MSG("...").
+std::string without_comments(std::string_view text) {
+  std::string told;
+  bool bracket = false, line = false;
+  for (const char c : text) {
+    if (c == '\n') bracket = line = false;
+    const bool call = !told.empty() && std::isalpha(static_cast<unsigned char>(told.back())) != 0;
+    if (!line && c == '(' && !call) bracket = true;
+    if (c == ';') line = true;
+    if (!bracket && !line) told += c;
+    if (c == ')') bracket = false;
+  }
+  return told;
+}
+
 /// Whether a comment may not stand before this line: it begins the program, or names it.
 bool opens_program(const Dialect& dialect, std::string_view line) {
   const std::string text = upper_case(line.substr(0, 64));
@@ -83,7 +98,7 @@ const std::vector<std::string>& dialect_names() {
 }
 
 std::string_view told_dialect(std::string_view head) {
-  const std::string text = upper_case(head);
+  const std::string text = without_comments(upper_case(head));
   const auto holds = [&](std::string_view sign) { return text.find(sign) != std::string::npos; };
   if (holds("BEGIN PGM")) return "heidenhain";
   for (const std::string_view sign :

@@ -206,6 +206,8 @@ TEST(Dialects, AreToldByTheirPrograms) {
   EXPECT_EQ(told_dialect("N10 traori\n"), "sinumerik");
   EXPECT_EQ(told_dialect("%\nO1\nG43.4 H1\n"), "fanuc");
   EXPECT_EQ(told_dialect("G0 X1 Y2\n"), "");
+  EXPECT_EQ(told_dialect("(WAS TRAORI)\nG0 X1(G43.4) Y2 ; BEGIN PGM\nX=3 ;$PATH A3=\n"), "");
+  EXPECT_EQ(told_dialect("N1 MSG(\"HALLO\")\n"), "sinumerik");
   for (const Program& program : kPrograms) EXPECT_EQ(told_dialect(*program.text), program.dialect);
 }
 

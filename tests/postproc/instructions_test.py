@@ -5,7 +5,7 @@ these do not.
     instructions_test.py PROGRAM SOURCE_DIR
 
 Two programs of different length are corrected on one thread; the difference leaves out what happens once (files, baking the
-map). Skipped (77) where valgrind is not installed. Limits are 15 % above what was counted when they were written, for the
+map). Skipped (77) where valgrind is not installed. Limits are 3 % above what was counted when they were written, for the
 preset test.
 """
 import pathlib
@@ -15,8 +15,8 @@ import subprocess
 import sys
 import tempfile
 
-LIMITS = {"regular": 14500, "irregular": 55000}
-SHORT, LONG = 100_000, 130_000  # long enough for the map to be baked
+LIMITS = {"regular": 9650, "irregular": 8420}
+SHORT, LONG = 40_000, 55_000  # long enough for the map to be baked
 
 
 def instructions(program, source, folder, kind, lines):
