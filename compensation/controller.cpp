@@ -1,9 +1,11 @@
 #include "compensation/controller.h"
 
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "compensation/controllers/controllers.h"
+#include "compensation/limits.h"
 #include "error.h"
 #include "units/nearest_name.h"
 
@@ -16,13 +18,19 @@ CompensationTask::CompensationTask(const Machine& m, const Model& d, const Table
       chain(m),
       volume(working_volume(m, d)),
       options(o),
-      profile(m, questions),
+      profile(m, questions,
+              depends_on(d, std::string(1, m.tilt_letter()) + "_dir") || depends_on(d, "C_dir") ? Reversal::some
+                                                                                                : Reversal::none),
       model_hash(model_fingerprint(d)) {
   volume.tool_length = options.tool_length;
 }
 
 const std::vector<Controller>& controllers() {
-  static const std::vector<Controller> all = {linuxcnc(), sinumerik_840d(), isg_twincat(), heidenhain(), fanuc_30i(), aerotech()};
+  static const std::vector<Controller> all = [] {
+    std::vector<Controller> list = {linuxcnc(), sinumerik_840d(), isg_twincat(), heidenhain(), fanuc_30i(), aerotech()};
+    for (Controller& controller : list) controller.questions.numbers.push_back(slope_limit());
+    return list;
+  }();
   return all;
 }
 
@@ -33,6 +41,19 @@ const Controller& controller_named(const std::string& name) {
     names.push_back(controller.name);
   }
   throw UsageError("controller \"" + name + "\": not known; the nearest is \"" + nearest_name(name, names) + "\"");
+}
+
+std::map<char, long> axis_numbers(const CompensationTask& task) {
+  std::map<char, long> numbers;
+  for (const char letter : {'X', 'Y', 'Z', task.machine.tilt_letter(), 'C'}) {
+    const long number = std::lround(task.profile.number(std::string("axis_number_") + letter));
+    for (const auto& [other, taken] : numbers)
+      if (taken == number)
+        throw ModelError("profile.axis_number_" + std::string(1, letter) + ": " + std::to_string(number) + " is " +
+                         other + "'s number, another is wanted");
+    numbers[letter] = number;
+  }
+  return numbers;
 }
 
 std::string model_fingerprint(const Model& model) {

@@ -60,6 +60,7 @@ struct Controller {
   /// Node spacings to try, coarse to fine, and what the distance of nodes may cost (rms).
   std::vector<Angle> spacings;
   Length spacing_loss = Length::micrometres(0.05);
+  bool by_tables = true;  ///< corrections are tables' values, whose slopes are limited
   /// The files, named as on a load-ready set. Throws RangeError where a limit of the control would be exceeded.
   std::function<std::vector<TableFile>(const CompensationTask&, Angle spacing, Emission)> emit;
   /// Reads files back and plays the control. Throws InputError for what the control would refuse.
@@ -74,6 +75,9 @@ struct Controller {
 const std::vector<Controller>& controllers();
 /// Throws UsageError naming the nearest.
 const Controller& controller_named(const std::string& name);
+
+/// The numbers of the five axes on the control by the profile (axis_number_X …). Throws ModelError where two are alike.
+std::map<char, long> axis_numbers(const CompensationTask& task);
 
 /// "0123456789abcdef", a fingerprint (FNV-1a, 64 bit) of the machine's effects as the model file writes them.
 std::string model_fingerprint(const Model& model);

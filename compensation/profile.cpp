@@ -24,7 +24,8 @@ std::string wanted(const ProfileItem& item) {
 
 }  // namespace
 
-Profile::Profile(const Machine& machine, ProfileQuestions questions) : questions_(std::move(questions)) {
+Profile::Profile(const Machine& machine, ProfileQuestions questions, Reversal reversal)
+    : questions_(std::move(questions)) {
   constexpr std::string_view kConfirmed = "confirmed";
   for (const ProfileItem& item : questions_.items) {
     const auto found = machine.profile.find(item.key);
@@ -46,7 +47,7 @@ Profile::Profile(const Machine& machine, ProfileQuestions questions) : questions
       }
     }
     answers_[item.key] = answer;
-    if (!confirmed) unconfirmed_.push_back(item);
+    if (!confirmed && (!item.of_reversal || reversal == Reversal::some)) unconfirmed_.push_back(item);
   }
   for (const ProfileNumber& number : questions_.numbers) {
     double value = number.standard;

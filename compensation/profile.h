@@ -16,6 +16,7 @@ struct ProfileItem {
   std::string question;              ///< one sentence for people
   std::vector<std::string> answers;  ///< the first is what is believed
   std::string test;                  ///< what to move and what to read to find out
+  bool of_reversal = false;          ///< matters only where values differ with the sense of motion
 };
 
 /// A number of the profile with the value that stands for it where the file is silent.
@@ -25,6 +26,9 @@ struct ProfileNumber {
   double standard = 0;
   double low = 0, high = 0;  ///< what it may be
 };
+
+/// Whether a set holds values that differ with the sense of motion.
+enum class Reversal { none, some };
 
 /// What one controller asks its profile.
 struct ProfileQuestions {
@@ -36,8 +40,8 @@ struct ProfileQuestions {
 class Profile {
  public:
   /// Throws ModelError naming the key for an answer that is none of those wanted. Keys nobody asks for may belong to
-  /// another controller.
-  Profile(const Machine& machine, ProfileQuestions questions);
+  /// another controller. Questions of reversal need no confirmation where there is none.
+  Profile(const Machine& machine, ProfileQuestions questions, Reversal reversal = Reversal::some);
 
   const std::string& answer(const std::string& key) const { return answers_.at(key); }
   double number(const std::string& key) const { return numbers_.at(key); }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "compensation/limits.h"
 #include "compensation/number_text.h"
 #include "error.h"
 
@@ -70,32 +71,6 @@ nlohmann::ordered_json volume_json(const WorkingVolume& v, char tilt) {
           {"Y_mm", mm(v.y)},
           {"Z_mm", mm(v.z)},
           {"tool_length_mm", v.tool_length.in_millimetres()}};
-}
-
-/// Limits of the machine file: the deviation and the tilt that the tables correct, and how far C goes for the latter.
-void refuse_beyond_limits(const CompensationTask& task, const std::vector<Situation>& sample,
-                          const PlayedCompensation& played) {
-  const CorrectionLimits& limits = task.machine.limits;
-  const auto check = [&](const Situation& s, const char* what, double found, double limit, const char* unit,
-                         const char* key) {
-    if (found <= limit) return;
-    char text[256];
-    std::snprintf(text, sizeof text, "%s at %c %.3f C %.3f deg is %.4g %s, limits.%s allows %.4g", what,
-                  task.machine.tilt_letter(), s.at.a.in_degrees(), s.at.c.in_degrees(), found, unit, key, limit);
-    throw RangeError(text);
-  };
-  const Model perfect;
-  for (const Situation& s : sample) {
-    const AxisCorrection c = played.at(s);
-    // What the rotary axes move along with them is no deviation of the machine's.
-    const double deviation = remaining(perfect, task.chain, s, c).position_mm.norm();
-    check(s, "the deviation that the tables correct", deviation * 1e3, limits.deviation.in_micrometres(), "um",
-          "correction_um");
-    check(s, "the tables' turn of the tilting axis", std::abs(c.tilt_rad) * 1e6, limits.tilt.in_microradians(), "urad",
-          "correction_urad");
-    check(s, "the tables' turn of C", Angle::radians(std::abs(c.turn_rad)).in_degrees(),
-          (limits.rotary_word + limits.tilt).in_degrees(), "deg", "correction_C_deg (and correction_urad)");
-  }
 }
 
 std::string loading_text(const Controller& controller, const CompensationTask& task, const Verification& verification,
@@ -174,6 +149,9 @@ std::string verification_json(const Verification& v, const Machine& machine) {
   j["lost_to"] = {{"format", um(v.lost_to_format_mm)},
                   {"spacing", um(v.lost_to_spacing_mm)},
                   {"quantisation", um(v.lost_to_quantisation_mm)}};
+  ordered_json terms = ordered_json::array();
+  for (const LostTerm& term : v.lost_terms) terms.push_back({{"term", term.term}, {"um", um(term.position_rms_mm)}});
+  j["lost_terms"] = std::move(terms);
   j["spacing_deg"] = rounded(v.spacing.in_degrees(), 9);
   j["worst_pose"] = {{std::string(1, machine.tilt_letter()) + "_deg", rounded(v.worst.at.a.in_degrees(), 6)},
                      {"C_deg", rounded(v.worst.at.c.in_degrees(), 6)},
@@ -192,12 +170,21 @@ std::string verification_text(const Verification& v, const Machine& machine) {
                   s.position_max_mm * 1e3, s.orientation_rms_rad * 1e6);
     return std::string(line);
   };
+  std::string terms;
+  for (const LostTerm& term : v.lost_terms) {
+    char one[96];
+    std::snprintf(one, sizeof one, "%s %s %.3f",
+                  terms.empty() ? "what the format does not take, um rms each by itself:" : ",", term.term.c_str(),
+                  term.position_rms_mm * 1e3);
+    terms += one;
+  }
+  if (!terms.empty()) terms += "\n";
   std::snprintf(text, sizeof text,
-                "%s%s%slost to the format %.3f um, to the distance of nodes (%.4g deg) %.3f um, to rounding %.3f um\n"
+                "%s%s%slost to the format %.3f um, to the distance of nodes (%.4g deg) %.3f um, to rounding %.3f um\n%s"
                 "worst pose: %c %.3f C %.3f deg, x %.1f y %.1f z %.1f mm; %zu poses\n",
                 row("nothing compensated", v.before).c_str(), row("five axes, ideally", v.ideal).c_str(),
                 row("these tables, as played", v.tables).c_str(), v.lost_to_format_mm * 1e3, v.spacing.in_degrees(),
-                v.lost_to_spacing_mm * 1e3, v.lost_to_quantisation_mm * 1e3, machine.tilt_letter(),
+                v.lost_to_spacing_mm * 1e3, v.lost_to_quantisation_mm * 1e3, terms.c_str(), machine.tilt_letter(),
                 v.worst.at.a.in_degrees(), v.worst.at.c.in_degrees(), v.worst.point_r_mm.x(), v.worst.point_r_mm.y(),
                 v.worst.point_r_mm.z(), v.poses);
   return text;
@@ -230,7 +217,7 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
   std::vector<TableFile> files = controller.emit(task, spacing, {});
   const auto played = controller.play(files, task);
   const std::vector<Situation> sample = pose_sample(task.volume, model, kVerified, kFirstVerified);
-  refuse_beyond_limits(task, sample, *played);
+  refuse_beyond_limits(controller, task, sample, *played);
 
   Verification v;
   v.controller = controller.name;
@@ -242,7 +229,10 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
   v.ideal = spread(model, task.chain, sample, Ideal(task));
   v.tables = spread(model, task.chain, sample, *played);
   const double exact = rms_of(sample, spacing, {1, false});
-  v.lost_to_format_mm = controller.spacings.size() > 1 ? std::min(exact, rms_of(sample, spacing, {4, false})) : exact;
+  const int refined = controller.spacings.size() > 1 ? 4 : 1;
+  const auto dense = controller.play(controller.emit(task, spacing, {refined, false}), task);
+  v.lost_to_format_mm = std::min(exact, spread(model, task.chain, sample, *dense).position_rms_mm);
+  v.lost_terms = lost_terms(task, *dense);
   v.lost_to_spacing_mm = lost(exact, v.lost_to_format_mm);
   v.lost_to_quantisation_mm = lost(v.tables.position_rms_mm, exact);
   double worst = -1;

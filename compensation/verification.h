@@ -1,6 +1,7 @@
 #pragma once
 
 #include "compensation/controller.h"
+#include "compensation/lost_terms.h"
 
 namespace trunnion {
 
@@ -25,6 +26,7 @@ struct Verification {
   double lost_to_format_mm = 0;
   double lost_to_spacing_mm = 0;
   double lost_to_quantisation_mm = 0;
+  std::vector<LostTerm> lost_terms;  ///< what makes up the loss to the format
   Angle spacing;
   Situation worst;  ///< the pose with the largest deviation under the tables
   std::vector<std::string> files;

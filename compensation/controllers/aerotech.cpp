@@ -266,11 +266,7 @@ class Calibration : public PlayedCompensation {
       : tables_(std::move(tables)) {
     a_ = task.machine.tilt_letter();
     subtracts_ = task.profile.answer("cal_sign") == "subtract";
-    for (const char axis : {'X', 'Y', 'Z', a_, 'C'}) {
-      const auto number = std::lround(task.profile.number(std::string("axis_number_") + axis));
-      if (letters_.contains(number))
-        throw ModelError("profile.axis_number_" + std::string(1, axis) + ": two axes have the number " +
-                         std::to_string(number));
+    for (const auto& [axis, number] : axis_numbers(task)) {
       letters_[number] = axis;
       counts_[axis] = task.profile.number(std::string("encoder_sense_") + axis);
     }

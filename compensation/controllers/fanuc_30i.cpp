@@ -1,10 +1,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "compensation/controllers/controllers.h"
-#include "compensation/grid_table.h"
+#include "compensation/controllers/fanuc_files.h"
 #include "compensation/number_text.h"
 #include "compensation/projection.h"
 #include "error.h"
@@ -17,41 +16,33 @@
 namespace trunnion {
 namespace {
 
-constexpr int kPlaceDecimals = 4;
-constexpr const char* kParameterFile = "PARAM.TXT";
-constexpr const char* kG10File = "G10.NC";
-constexpr long kPitchBase = 10000;
-constexpr long kReference[2] = {60, 500};  ///< points of A and of C at the reference position
+using fanuc::Entry;
 
-/// One parameter: number, axis (0: none), value.
-struct Entry {
-  long number = 0, axis = 0;
-  double value = 0;
-  bool real = false;
+constexpr long kMostPoints = 128;  // of one axis, one way
+/// Pitch points: the reference position of each axis, and the most negative point for negative travel.
+struct PointNumbers {
+  long reference, lowest_down;
 };
+constexpr PointNumbers kTiltPoints = {60, 250}, kTurnPoints = {500, 700};
 
-/// The pitch errors of one axis, as the control holds them.
-struct Pitch {
-  long reference = 0, lowest = 0, highest = 0;
-  double interval_deg = 1, magnification = 1, turn_deg = 0, reversed = 0;
-  std::map<long, double> increments;
+/// One axis' corrections at its nodes, and how far it stands off after negative travel; degrees.
+struct Corrections {
+  char axis;
+  bool turning;
+  double interval_deg;
+  std::vector<double> nodes_deg, values_deg;
+  double reversal_deg;
 };
-
-double total_unit(const CompensationTask& task) { return task.profile.number("detection_unit_deg"); }
 
 /// Totals at points, in units times magnification, to increments that never add up rounding.
-void append_pitch(const CompensationTask& task, std::vector<Entry>& entries, bool turning, double interval,
-                  const std::vector<double>& nodes, const std::vector<double>& corrections_deg, double reversal_deg,
-                  Emission emission) {
+void append_pitch(const CompensationTask& task, std::vector<Entry>& entries, const Corrections& c, Emission emission) {
   const double sign = task.profile.answer("pitch_sign") == "add" ? 1 : -1;
-  const long axis =
-      std::lround(task.profile.number(std::string("axis_number_") + (turning ? 'C' : task.machine.tilt_letter())));
-  const long reference = kReference[turning ? 1 : 0];
-  const double unit = total_unit(task);
+  const long axis = axis_numbers(task).at(c.axis);
+  const double unit = fanuc::detection_unit_deg(task);
   std::vector<double> totals;
   double steepest = 0;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    totals.push_back(sign * corrections_deg[k] / unit);
+  for (std::size_t k = 0; k < c.nodes_deg.size(); ++k) {
+    totals.push_back(sign * c.values_deg[k] / unit);
     if (k > 0) steepest = std::max(steepest, std::abs(totals[k] - totals[k - 1]));
   }
   const double magnification = std::max(1.0, std::ceil((steepest + 1) / 7 - 1e-9));
@@ -61,29 +52,42 @@ void append_pitch(const CompensationTask& task, std::vector<Entry>& entries, boo
   const auto in_units = [&](double value) {
     return emission.quantised ? std::round(value / magnification) : value / magnification;
   };
-  const auto first = static_cast<long>(std::lround(nodes.front() / interval));
-  const auto last = static_cast<long>(std::lround(nodes.back() / interval));
-  if (emission.for_the_control() && last - first + 1 > 128)
+  const auto first = std::lround(c.nodes_deg.front() / c.interval_deg),
+             last = std::lround(c.nodes_deg.back() / c.interval_deg);
+  if (emission.for_the_control() && last - first + 1 > kMostPoints)
     throw RangeError("fanuc-30i: " + std::to_string(last - first + 1) + " points on one axis, 128 is the most");
-  entries.push_back({3620, axis, static_cast<double>(reference)});
-  entries.push_back({3621, axis, static_cast<double>(reference + first)});
-  entries.push_back({3622, axis, static_cast<double>(reference + last)});
-  entries.push_back({3623, axis, magnification});
-  entries.push_back({3624, axis, interval, true});
-  if (turning) entries.push_back({3625, axis, 360, true});
-  if (std::abs(reversal_deg) > 1e-9) {
-    entries.push_back({3627, axis, in_units(-sign * reversal_deg / unit)});
+  const PointNumbers numbers = c.turning ? kTurnPoints : kTiltPoints;
+  const long reference = std::max(numbers.reference, -first);
+  const auto add = [&](long number, double value, bool real = false) {
+    entries.push_back({number, axis, value, real});
+  };
+  add(3620, static_cast<double>(reference));
+  add(3621, static_cast<double>(reference + first));
+  add(3622, static_cast<double>(reference + last));
+  add(3623, magnification);
+  add(3624, c.interval_deg, true);
+  if (c.turning) add(3625, 360, true);
+  const auto add_increments = [&](long lowest) {
+    for (std::size_t k = 0; k < totals.size(); ++k) {
+      // The first point of a turn is the last one again; the most negative point of a stroke has nothing before it.
+      const std::size_t from = k > 0       ? k - 1
+                               : c.turning ? totals.size() - 2
+                                           : 0,
+                        to = k > 0 || !c.turning ? k : totals.size() - 1;
+      entries.push_back(
+          {fanuc::kPitchBase + lowest + static_cast<long>(k), 0, in_units(totals[to]) - in_units(totals[from])});
+    }
+  };
+  // Negative travel has points of its own, the same pitch from another beginning.
+  const bool both_ways = std::abs(c.reversal_deg) > 1e-9;
+  if (both_ways) {
+    const double off = -sign * c.reversal_deg / unit;
+    const bool in_detection_units = task.profile.answer("pitch_reference") == "in detection units";
+    add(3626, static_cast<double>(numbers.lowest_down));
+    add(3627, !in_detection_units ? in_units(off) : emission.quantised ? std::round(off) : off);
   }
-  double before = in_units(totals.front());
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const double now = in_units(totals[k]);
-    const long point = reference + first + static_cast<long>(k);
-    // The first point of a turn is the last one again; the most negative point of a stroke has nothing before it.
-    const double increment =
-        k == 0 ? (turning ? in_units(totals.back()) - in_units(totals[totals.size() - 2]) : 0) : now - before;
-    entries.push_back({kPitchBase + point, 0, increment});
-    before = now;
-  }
+  add_increments(reference + first);
+  if (both_ways) add_increments(numbers.lowest_down);
 }
 
 /// The node at the reference position, where the control's corrections begin from zero.
@@ -93,9 +97,11 @@ std::optional<std::size_t> zero_of(const std::vector<double>& nodes) {
   return std::nullopt;
 }
 
-std::string value_text(const Entry& entry, Emission emission) {
-  if (!emission.quantised) return shortest_text(entry.value);
-  return entry.real ? fixed_text(entry.value, kPlaceDecimals) : fixed_text(entry.value, 0);
+/// Steps of at most `step_deg` that make a turn and are told by the decimals of 3624.
+double turn_interval(double step_deg) {
+  double cells = std::ceil(360 / step_deg - 1e-9);
+  while (std::abs(rounded(360 / cells, 4) * cells - 360) > 1e-9) ++cells;
+  return 360 / cells;
 }
 
 /// Where the control believes the axes to stand.
@@ -114,9 +120,9 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   const double interval = spacing.in_degrees() / emission.refine;
   const double low = std::floor(task.volume.a.low.in_degrees() / interval + 1e-9),
                high = std::ceil(task.volume.a.high.in_degrees() / interval - 1e-9);
-  std::vector<double> tilt_nodes, turn_nodes = even_nodes(0, 360, interval);
+  const double turn_step = emission.for_the_control() ? turn_interval(interval) : interval;
+  std::vector<double> tilt_nodes, turn_nodes = even_nodes(0, 360, turn_step);
   for (double k = low; k <= std::max(high, low + 1); ++k) tilt_nodes.push_back(k * interval);
-  const double turn_interval = turn_nodes[1];
   if (!zero_of(tilt_nodes))
     throw RefusalError(
         "fanuc-30i: the working volume does not reach the reference position of the tilting axis, from which pitch "
@@ -148,10 +154,14 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
                turn_reversal = reversal_rad(task, 'C') / kDegree_rad;
 
   std::vector<Entry> entries;
-  append_pitch(task, entries, false, interval, tilt_nodes,
-               values(tilt.projector(tilt_at, zero_of(tilt_nodes)), held_tilt), tilt_reversal, emission);
-  append_pitch(task, entries, true, turn_interval, turn_nodes,
-               values(turn.projector(turn_at, zero_of(turn_nodes)), fit.turn_rad), turn_reversal, emission);
+  append_pitch(task, entries,
+               {task.machine.tilt_letter(), false, interval, tilt_nodes,
+                values(tilt.projector(tilt_at, zero_of(tilt_nodes)), held_tilt), tilt_reversal},
+               emission);
+  append_pitch(task, entries,
+               {'C', true, turn_nodes[1], turn_nodes,
+                values(turn.projector(turn_at, zero_of(turn_nodes)), fit.turn_rad), turn_reversal},
+               emission);
   // The axes' places: nominal ones moved by the location errors that are lengths.
   Places places = nominal_places(task);
   for (std::size_t k = 0; k < location->parameters().size(); ++k) {
@@ -165,151 +175,11 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   for (Eigen::Index k = 0; k < 3; ++k) entries.push_back({19700 + k, 0, places.tilt[k], true});
   for (Eigen::Index k = 0; k < 3; ++k) entries.push_back({19703 + k, 0, places.turn_from_tilt[k], true});
 
-  std::string file = "%\n", g10 = "%\nO9000\nG10L52\n";
-  for (const Entry& entry : entries) {
-    const std::string number = std::to_string(entry.number),
-                      axis = entry.axis == 0 ? "" : "A" + std::to_string(entry.axis);
-    file += "N" + number + axis + "P" + value_text(entry, emission) + ";\n";
-    g10 += "N" + number + (entry.axis == 0 ? "" : "P" + std::to_string(entry.axis)) + "R" +
-           value_text(entry, emission) + "\n";
-  }
-  std::vector<TableFile> files = {{kParameterFile, file + "%\n"}};
-  if (emission.for_the_control()) files.push_back({kG10File, g10 + "G11\nM30\n%\n"});
+  std::vector<TableFile> files = {fanuc::parameter_file(entries, emission)};
+  if (emission.for_the_control())
+    files.push_back(
+        fanuc::program_file(entries, (task.profile.load_ready() ? "" : "DRAFT, NOT LOAD-READY. ") + provenance(task)));
   return files;
-}
-
-/// Reads a parameter file as strictly as the control: what it would refuse is refused here.
-std::vector<Entry> read_parameters(const TableFile& file) {
-  std::vector<Entry> entries;
-  std::size_t line_number = 0;
-  int percent = 0;
-  for (const std::string_view line : lines_of(file.text)) {
-    ++line_number;
-    const auto wrong = [&](const std::string& text) { throw InputError(file.name, line_number, text); };
-    if (line == "%") {
-      ++percent;
-      continue;
-    }
-    if (line.empty()) wrong("an empty line");
-    if (percent != 1) wrong("a block outside the two %");
-    if (line.back() != ';') wrong("\"" + std::string(line) + "\": a block ends with ;");
-    Entry entry;
-    bool has_value = false;
-    for (std::size_t k = 0; k + 1 < line.size();) {
-      const char address = line[k];
-      std::size_t end = k + 1;
-      while (end + 1 < line.size() && std::string_view("+-.0123456789e").find(line[end]) != std::string_view::npos)
-        ++end;
-      const auto value = number_from(line.substr(k + 1, end - k - 1));
-      if (!value) wrong(std::string("address ") + address + ": a number is wanted behind it");
-      if (address == 'N' && k == 0 && *value >= 0 && *value < 100000) {
-        entry.number = std::lround(*value);
-      } else if (address == 'A' && k > 0 && *value >= 1 && *value <= 32) {
-        entry.axis = std::lround(*value);
-      } else if (address == 'P' && k > 0) {
-        entry.value = *value;
-        has_value = true;
-      } else {
-        wrong(std::string("address ") + address + ": N, A and P in capitals are wanted, in this order");
-      }
-      k = end;
-    }
-    if (entry.number == 0 || !has_value) wrong("N and P are wanted");
-    entries.push_back(entry);
-  }
-  if (percent != 2) throw InputError(file.name, line_number, "a % at the beginning and one at the end are wanted");
-  return entries;
-}
-
-class Fanuc : public PlayedCompensation {
- public:
-  Fanuc(const std::vector<Entry>& entries, const CompensationTask& task, const std::string& file)
-      : chain_(task.chain),
-        machine_(task.machine),
-        unit_(total_unit(task)),
-        adds_(task.profile.answer("pitch_sign") != "subtract") {
-    const Places nominal = nominal_places(task);
-    Eigen::Vector3d tilt = nominal.tilt, turn = nominal.turn_from_tilt;
-    const std::map<long, Pitch*> by_axis = {
-        {std::lround(task.profile.number(std::string("axis_number_") + task.machine.tilt_letter())), &tilt_},
-        {std::lround(task.profile.number("axis_number_C")), &turn_}};
-    std::map<long, double> points;
-    for (const Entry& e : entries) {
-      if (e.number >= kPitchBase + 0 && e.number < 19000) points[e.number - kPitchBase] = e.value;
-      if (e.number >= 19700 && e.number <= 19702) tilt[e.number - 19700] = e.value;
-      if (e.number >= 19703 && e.number <= 19705) turn[e.number - 19703] = e.value;
-      if (e.number == 19680 && e.value != 12)
-        throw InputError(file, "19680 is " + shortest_text(e.value) + ", 12 (two table axes) is wanted");
-      if (e.number < 3600 || e.number > 3630) continue;
-      const auto found = by_axis.find(e.axis);
-      if (found == by_axis.end())
-        throw InputError(file, "N" + std::to_string(e.number) + ": axis " + std::to_string(e.axis) +
-                                   " is not a rotary axis of this machine");
-      Pitch& pitch = *found->second;
-      if (e.number == 3620) pitch.reference = std::lround(std::clamp(e.value, -1e6, 1e6));
-      if (e.number == 3621) pitch.lowest = std::lround(std::clamp(e.value, -1e6, 1e6));
-      if (e.number == 3622) pitch.highest = std::lround(std::clamp(e.value, -1e6, 1e6));
-      if (e.number == 3623) pitch.magnification = e.value;
-      if (e.number == 3624) pitch.interval_deg = e.value;
-      if (e.number == 3625) pitch.turn_deg = e.value;
-      if (e.number == 3627) pitch.reversed = e.value;
-    }
-    for (Pitch* pitch : {&tilt_, &turn_}) {
-      if (!(pitch->interval_deg > 0) || pitch->highest <= pitch->lowest || pitch->highest - pitch->lowest > 100000 ||
-          pitch->reference < pitch->lowest || pitch->reference > pitch->highest)
-        throw InputError(file,
-                         "3620 to 3624: points from low to high about the reference, and an interval, are wanted");
-      double sum = 0;
-      for (long n = pitch->lowest; n <= pitch->highest; ++n) {
-        if (!points.contains(n)) throw InputError(file, "pitch point " + std::to_string(n) + " is missing");
-        pitch->increments[n] = points.at(n);
-        if (n > pitch->lowest) sum += points.at(n);
-      }
-      if (pitch->turn_deg > 0 && std::abs(sum) > 1e-6)
-        throw InputError(file,
-                         "increments of a rotary axis add up to " + shortest_text(sum) + " in a turn, 0 is wanted");
-    }
-    Machine moved = machine_;
-    moved.axes.at(moved.tilt_letter()).origin_mm = tilt;
-    moved.axes.at('C').origin_mm = tilt + turn;
-    believed_ = KinematicChain(moved);
-  }
-
-  AxisCorrection at(const Situation& s) const override {
-    // With tool centre point control the linear axes go where the control believes the point to be.
-    const Eigen::Vector3d w = chain_.r_from_w(s.at).inverse() * s.point_r_mm;
-    return {believed_.r_from_w(s.at) * w - s.point_r_mm, correction(tilt_, s.at.a.in_degrees(), s.tilt_sense),
-            correction(turn_, s.at.c.in_degrees(), s.turn_sense)};
-  }
-
- private:
-  /// The increments passed on the way from the reference, the change spread evenly between points.
-  double correction(const Pitch& pitch, double degrees, int sense) const {
-    if (pitch.turn_deg > 0) degrees -= pitch.turn_deg * std::floor(degrees / pitch.turn_deg);
-    std::vector<double> nodes, totals;
-    double total = 0, at_reference = 0;
-    for (const auto& [point, increment] : pitch.increments) {
-      if (!nodes.empty()) total += increment;
-      nodes.push_back(static_cast<double>(point - pitch.reference) * pitch.interval_deg);
-      totals.push_back(total);
-      if (point == pitch.reference) at_reference = total;
-    }
-    double passed = interpolated(nodes, totals, Boundary::hold, degrees) - at_reference;
-    if (sense < 0) passed += pitch.reversed;
-    return (adds_ ? 1 : -1) * passed * pitch.magnification * unit_ * kDegree_rad;
-  }
-
-  KinematicChain chain_, believed_{chain_};
-  Machine machine_;
-  double unit_;
-  bool adds_;
-  Pitch tilt_, turn_;
-};
-
-std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, const CompensationTask& task) {
-  const auto found = std::ranges::find(files, kParameterFile, &TableFile::name);
-  if (found == files.end()) throw InputError(kParameterFile, "missing");
-  return std::make_unique<Fanuc>(read_parameters(*found), task, found->name);
 }
 
 std::string loading(const CompensationTask& task, const std::vector<TableFile>& files) {
@@ -317,15 +187,16 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>& 
       std::ranges::any_of(files, [](const TableFile& f) { return f.text.find("\nN3627") != std::string::npos; });
   return "## Steps\n\n1. Save all parameters and pitch error data of the machine first.\n2. Parameter write enable; "
          "read in `" +
-         std::string(kParameterFile) + "` (or run `" + kG10File +
+         std::string(fanuc::kParameterFile) + "` (or run `" + fanuc::kProgramFile +
          "`, which says the same).\n3. Power off and on (3620 to 3627), then return to the reference position.\n4. "
          "Tool centre point control: 19700 to 19705 hold where the axes "
          "were found, counted from R's origin as the machine file has it. Add your machine's own origin if it "
          "differs.\n" +
-         (reverses ? "5. Bit 0 of 3605 = 1 for the axes that have a 3627: values differ with the sense of motion. The "
-                     "file leaves 3605 alone, its other bits are the machine's.\n"
-                   : "") +
-         "\nThe detection unit is taken as " + shortest_text(total_unit(task)) +
+         (reverses
+              ? "5. Bit 0 of 3605 = 1 for the axes that have a 3626 and a 3627: negative travel has points of its own. "
+                "The file leaves 3605 alone, its other bits are the machine's.\n"
+              : "") +
+         "\nThe detection unit is taken as " + shortest_text(fanuc::detection_unit_deg(task)) +
          " deg (profile.detection_unit_deg). The numbers of 3623 and 3624 belong to it.\n\nUndo: read the saved data "
          "back in; power off and on.\n";
 }
@@ -334,12 +205,13 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>& 
 std::vector<TableFile> commissioning(const CompensationTask& task) {
   std::string text = "%\n";
   for (const bool turning : {false, true}) {
-    const long reference = kReference[turning ? 1 : 0], low = turning ? 0 : -3, high = turning ? 12 : 3;
+    const long reference = (turning ? kTurnPoints : kTiltPoints).reference, low = turning ? 0 : -3,
+               high = turning ? 12 : 3;
     const std::string axis =
         "A" +
         shortest_text(task.profile.number(std::string("axis_number_") + (turning ? 'C' : task.machine.tilt_letter())));
     const auto line = [&](long number, const std::string& value) {
-      text += "N" + std::to_string(number) + (number < kPitchBase ? axis : "") + "P" + value + ";\n";
+      text += "N" + std::to_string(number) + (number < fanuc::kPitchBase ? axis : "") + "P" + value + ";\n";
     };
     line(3620, std::to_string(reference));
     line(3621, std::to_string(reference + low));
@@ -348,9 +220,9 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
     line(3624, "30.0000");
     if (turning) line(3625, "360.0000");
     for (long k = low; k <= high; ++k)
-      line(kPitchBase + reference + k, k == -1 || (turning && k == 2)   ? "7"
-                                       : k == -2 || (turning && k == 3) ? "-7"
-                                                                        : "0");
+      line(fanuc::kPitchBase + reference + k, k == -1 || (turning && k == 2)   ? "7"
+                                              : k == -2 || (turning && k == 3) ? "-7"
+                                                                               : "0");
   }
   return {{"one_pitch_PARAM.TXT", text + "%\n"}};
 }
@@ -383,18 +255,33 @@ Controller fanuc_30i() {
              {"even"},
              "Move slowly from one point to the next and watch the compensation on the diagnosis screen."},
             {"pitch_blocks",
-             "Does the control take pitch data as N10000 + point in a parameter file?",
+             "Does the control take pitch data as N10000 + point, in a parameter file and behind G10 L52?",
              {"N10000 + point"},
-             "Punch out the pitch data of the machine and compare."},
+             "Punch out the pitch data of the machine and compare. For the program: run a copy of it with one point "
+             "only "
+             "and look at the pitch error screen."},
             {"tcp_vectors",
              "Do 19700-19702 lead to the first table axis and 19703-19705 from there to the second?",
              {"yes"},
              "Compare the machine's values with its drawing; change 19701 by 0.02 and see where G43.4 goes at a "
-             "tilt."}},
+             "tilt."},
+            {"pitch_reverse",
+             "Are the increments for negative travel (points from 3626 on) counted upwards like those for positive "
+             "travel, and 3627 where the reference return goes in positive direction?",
+             {"upwards"},
+             "Copy the points of commissioning/one_pitch to 3626 and on, 3605#0 = 1, 3627 = 0, power off and on, "
+             "reference: C stands at 60 deg alike from both sides.",
+             true},
+            {"pitch_reference",
+             "Is 3627 counted in detection units, or in detection units times 3623?",
+             {"in units of 3623", "in detection units"},
+             "With 3605#0 = 1, 3623 = 2, 3627 = 10 and all points 0: coming back to the reference from above, C stands "
+             "off by 20 detection units, or by 10.",
+             true}},
            numbers},
       .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(5), Angle::degrees(3)},
       .emit = emit,
-      .play = play,
+      .play = fanuc::play,
       .loading = loading,
       .commissioning = commissioning};
 }

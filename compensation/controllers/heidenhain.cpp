@@ -1,11 +1,8 @@
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <utility>
 
 #include "compensation/controllers/controllers.h"
-#include "compensation/grid_table.h"
+#include "compensation/controllers/heidenhain_files.h"
 #include "compensation/number_text.h"
 #include "compensation/projection.h"
 #include "error.h"
@@ -19,12 +16,12 @@
 namespace trunnion {
 namespace {
 
-constexpr std::size_t kMostEntries = 256;
-constexpr std::size_t kMostInserted = 95;  // 100 less the MachAxis lines of five axes
-constexpr std::size_t kNumberWidth = 5, kColumnWidth = 14;
-constexpr const char* kKinematicsFile = "KINEMATICS_COMP.TXT";
+using tnc::com_file;
+using tnc::kKinematicsFile;
+using tnc::kMostEntries;
+using tnc::kMostInserted;
 
-std::string com_file(char axis) { return std::string("AXIS_") + axis + ".COM"; }
+constexpr std::size_t kNumberWidth = 5, kColumnWidth = 14;
 
 std::string padded(std::string text, std::size_t width) {
   text.resize(std::max(width, text.size() + 1), ' ');
@@ -47,14 +44,16 @@ Own own_of(const Axis& axis) {
   return {3 + static_cast<std::size_t>(k), axis.direction[k] < 0 ? -1.0 : 1.0};
 }
 
-/// One table over one rotary axis: how far it stands wrong itself, in its own sense, and the six extra columns; mm and
-/// degrees from mm and rad.
+/// One table over one rotary axis: how far it stands wrong itself, in its own sense, `reversal` further after negative
+/// travel, and the six extra columns; mm and degrees from mm and rad.
 std::string com_text(const CompensationTask& task, const Axis& axis, const std::vector<double>& nodes,
-                     const Eigen::VectorXd& own, const Matrix6Xd& errors, Emission emission) {
+                     const Eigen::VectorXd& own, double reversal, const Matrix6Xd& errors, Emission emission) {
   const int decimals = static_cast<int>(task.profile.number("com_decimals"));
   const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
   const std::size_t width = emission.quantised ? kColumnWidth : 26;
-  std::string text = "BEGIN AXIS_" + std::string(1, axis.letter) + ".COM MM\n" + padded("NR", kNumberWidth);
+  const bool whole = task.profile.answer("com_backlash") == "value in negative travel";
+  std::string text = "BEGIN " + com_file(axis.letter) + (emission.quantised ? " MM\n" : " MM UNROUNDED\n") +
+                     padded("NR", kNumberWidth);
   for (const std::string& column : {std::string("AXISPOS"), std::string("BACKLASH"), std::string(1, axis.letter)})
     text += padded(column, width);
   for (int k = 1; k <= 6; ++k) text += padded("C" + std::to_string(k), width);
@@ -63,11 +62,19 @@ std::string com_text(const CompensationTask& task, const Axis& axis, const std::
     const auto at = static_cast<Eigen::Index>(n);
     const auto cell = [&](double value) { return padded(signed_text(as_error * value, decimals, emission), width); };
     text += padded(std::to_string(n), kNumberWidth) + padded(signed_text(nodes[n], 4, emission), width) +
-            padded("", width) + cell(own[at] / kDegree_rad);
+            (reversal == 0 ? padded("", width) : cell(((whole ? own[at] : 0) + reversal) / kDegree_rad)) +
+            cell(own[at] / kDegree_rad);
     for (Eigen::Index k = 0; k < 6; ++k) text += cell(errors(k, at) / (k < 3 ? 1 : kDegree_rad));
     text += "\n";
   }
   return text + "[END]\n";
+}
+
+/// How much further an axis stands after negative travel; none where it is nothing.
+double reversal_of(const CompensationTask& task, const Axis& axis) {
+  constexpr double kNothing_rad = 1e-11;
+  const double reversal = reversal_rad(task, axis.letter);
+  return std::abs(reversal) < kNothing_rad ? 0 : reversal;
 }
 
 /// A row of the kinematics table: one column of one axis' table.
@@ -113,8 +120,8 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     const Eigen::MatrixXd over = function.projector(at);
     const Matrix6Xd at_nodes = errors * over.transpose();
     for (const Inserted& row : worthwhile(task, axis.letter, at_nodes)) inserted.push_back(row);
-    files.push_back({com_file(axis.letter),
-                     com_text(task, axis, function.nodes(), -(over * moved.transpose()), at_nodes, emission)});
+    files.push_back({com_file(axis.letter), com_text(task, axis, function.nodes(), -(over * moved.transpose()),
+                                                     reversal_of(task, axis), at_nodes, emission)});
   };
   add_table(tilt_axis, tilt, tilt_at, own_fit.tilt_rad, fit.tilt);
   add_table(turn_axis, turn, turn_at, own_fit.turn_rad, fit.turn);
@@ -138,158 +145,13 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     row("", "MachAxis", axis->letter, "", "");
   }
   files.push_back({kKinematicsFile, rows});
-  if (emission.for_the_control())
-    files.push_back({"CONFIG.CMA", "BEGIN CONFIG.CMA\n" + padded("NR", 5) + padded("ACTIVE", 8) +
-                                       padded(std::string(1, tilt_axis.letter), 14) + padded("C", 14) + "\n" +
-                                       padded("0", 5) + padded("*", 8) +
-                                       padded("AXIS_" + std::string(1, tilt_axis.letter), 14) + padded("AXIS_C", 14) +
-                                       "\n[END]\n"});
+  files.push_back({tnc::kAssignmentFile, "BEGIN CONFIG.CMA\n" + padded("NR", kNumberWidth) + padded("ACTIVE", 8) +
+                                             padded(std::string(1, tilt_axis.letter), kColumnWidth) +
+                                             padded("C", kColumnWidth) + "\n" + padded("0", kNumberWidth) +
+                                             padded("*", 8) +
+                                             padded("AXIS_" + std::string(1, tilt_axis.letter), kColumnWidth) +
+                                             padded("AXIS_C", kColumnWidth) + "\n[END]\n"});
   return files;
-}
-
-/// A .COM table as the control holds it: column name to values over AXISPOS.
-struct ComTable {
-  std::vector<double> positions;
-  std::map<std::string, std::vector<double>> columns;
-};
-
-ComTable read_com(const TableFile& file) {
-  ComTable table;
-  std::vector<std::pair<std::string, std::size_t>> heading;  ///< name and where it begins
-  std::size_t line_number = 0;
-  bool begun = false, ended = false;
-  for (const std::string_view line : lines_of(file.text)) {
-    ++line_number;
-    const auto wrong = [&](const std::string& text) { throw InputError(file.name, line_number, text); };
-    if (ended) break;
-    if (!begun) {
-      const auto words = words_of(line);
-      if (words.size() < 3 || words[0] != "BEGIN" || words[2] != "MM") wrong("BEGIN, a name and MM are wanted");
-      begun = true;
-    } else if (line == "[END]") {
-      ended = true;
-    } else if (heading.empty()) {
-      for (const std::string_view word : words_of(line))
-        heading.emplace_back(word, static_cast<std::size_t>(word.data() - line.data()));
-      if (heading.size() < 3 || heading[0].first != "NR" || heading[1].first != "AXISPOS")
-        wrong("a heading NR, AXISPOS … is wanted");
-    } else {
-      if (table.positions.size() == 10 * kMostEntries * 4) wrong("too many entries");
-      for (std::size_t k = 1; k < heading.size(); ++k) {
-        const std::size_t from = std::min(heading[k].second, line.size());
-        const std::size_t to = k + 1 < heading.size() ? std::min(heading[k + 1].second, line.size()) : line.size();
-        const std::string_view cell = trimmed(line.substr(from, to - from));
-        const auto value = cell.empty() ? std::optional<double>(0) : number_from(cell);
-        if (!value) wrong(heading[k].first + ": \"" + std::string(cell) + "\" found, a number or nothing is wanted");
-        if (k == 1) {
-          if (!table.positions.empty() && !(*value > table.positions.back())) wrong("AXISPOS does not ascend");
-          table.positions.push_back(*value);
-        } else {
-          table.columns[heading[k].first].push_back(*value);
-        }
-      }
-    }
-  }
-  if (!ended) throw InputError(file.name, line_number, "[END] is missing");
-  if (table.positions.size() < 2) throw InputError(file.name, line_number, "two entries or more are wanted");
-  return table;
-}
-
-class Tnc : public PlayedCompensation {
- public:
-  Tnc(std::map<char, ComTable> tables, std::map<char, std::vector<std::size_t>> inserted, const CompensationTask& task)
-      : tables_(std::move(tables)),
-        inserted_(std::move(inserted)),
-        tilt_(task.machine.tilt()),
-        turn_(task.machine.turn()) {
-    takes_away_ = task.profile.answer("com_sign") == "error";
-  }
-
-  /// From the slide outward: A's errors, A, C's errors, C. The control puts the tool where the work then is.
-  AxisCorrection at(const Situation& s) const override {
-    const double c_deg = s.at.c.in_degrees() - 360 * std::floor(s.at.c.in_degrees() / 360);
-    Eigen::Isometry3d real = Eigen::Isometry3d::Identity(), nominal = Eigen::Isometry3d::Identity();
-    AxisCorrection correction;
-    for (const Axis* axis : {&tilt_, &turn_}) {
-      const bool tilting = axis == &tilt_;
-      const ComTable& table = tables_.at(axis->letter);
-      const auto column = [&](const std::string& name) {
-        const auto found = table.columns.find(name);
-        return found == table.columns.end() ? 0.0
-                                            : interpolated(table.positions, found->second, Boundary::hold,
-                                                           tilting ? s.at.a.in_degrees() : c_deg);
-      };
-      PoseError error;
-      for (const std::size_t k : inserted_.at(axis->letter)) {
-        const double value = (takes_away_ ? 1 : -1) * column("C" + std::to_string(k + 1));
-        if (k < 3) error.translation_mm[static_cast<Eigen::Index>(k)] = value;
-        if (k >= 3) error.rotation_rad[static_cast<Eigen::Index>(k - 3)] = value * kDegree_rad;
-      }
-      const Eigen::Isometry3d turned(Eigen::AngleAxisd((tilting ? s.at.a : s.at.c).in_radians(), axis->direction));
-      const Eigen::Translation3d to(axis->origin_mm), from(-axis->origin_mm);
-      real = real * to * transform(error) * turned * from;
-      nominal = nominal * to * turned * from;
-      (tilting ? correction.tilt_rad : correction.turn_rad) =
-          (takes_away_ ? -1 : 1) * column(std::string(1, axis->letter)) * kDegree_rad;
-    }
-    correction.linear_mm = real * nominal.inverse() * s.point_r_mm - s.point_r_mm;
-    return correction;
-  }
-
- private:
-  std::map<char, ComTable> tables_;
-  std::map<char, std::vector<std::size_t>> inserted_;
-  Axis tilt_, turn_;
-  bool takes_away_ = true;
-};
-
-std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, const CompensationTask& task) {
-  const auto find = [&](const std::string& name) -> const TableFile& {
-    const auto found = std::ranges::find(files, name, &TableFile::name);
-    if (found == files.end()) throw InputError(name, "missing");
-    return *found;
-  };
-  const char tilt = task.machine.tilt_letter();
-  std::map<char, ComTable> tables;
-  for (const char axis : {tilt, 'C'}) tables[axis] = read_com(find(com_file(axis)));
-  // Transformations stand before the axis whose position they depend on.
-  std::map<char, std::vector<std::size_t>> inserted = {{tilt, {}}, {'C', {}}};
-  std::vector<std::size_t> pending;
-  std::vector<std::pair<std::string, std::size_t>> prefixes;  ///< and the lines where they stand
-  const bool by_letter = task.profile.answer("comptab_prefix") == "axis letter";
-  const TableFile& rows = find(kKinematicsFile);
-  std::size_t line_number = 0, transformations = 0;
-  for (const std::string_view line : lines_of(rows.text)) {
-    ++line_number;
-    const auto words = words_of(line);
-    if (line_number == 1 || words.empty()) continue;
-    const auto key = std::ranges::find_if(words, [](std::string_view w) { return w == "Trans" || w == "MachAxis"; });
-    if (key == words.end() || key + 1 == words.end() || (key + 1)->size() != 1)
-      throw InputError(rows.name, line_number, "KEY Trans or MachAxis and an axis are wanted");
-    const char axis = (*(key + 1))[0];
-    if (*key == "MachAxis") {
-      if (!inserted.contains(axis))
-        throw InputError(rows.name, line_number,
-                         std::string("MachAxis ") + axis + ": not a rotary axis of this machine");
-      const std::string prefix = by_letter ? std::string(1, axis) : "A";
-      for (const auto& [found, where] : prefixes)
-        if (found != prefix)
-          throw InputError(rows.name, where, "COMPTAB " + found + "..: the control looks for " + prefix + "..");
-      prefixes.clear();
-      inserted[axis] = std::exchange(pending, {});
-      continue;
-    }
-    const std::size_t component = kComponentLetters.find(axis);
-    const std::string_view column = words.back();
-    if (component == std::string_view::npos || !column.ends_with("..C" + std::to_string(component + 1)))
-      throw InputError(rows.name, line_number,
-                       "\"" + std::string(column) + "\": a column C1 to C6 that fits the axis is wanted");
-    prefixes.emplace_back(column.substr(0, column.find("..")), line_number);
-    pending.push_back(component);
-    if (++transformations > kMostInserted)
-      throw InputError(rows.name, line_number, "more than " + std::to_string(kMostInserted) + " entries in COMPTAB");
-  }
-  return std::make_unique<Tnc>(std::move(tables), std::move(inserted), task);
 }
 
 std::string loading(const CompensationTask& task, const std::vector<TableFile>&) {
@@ -315,7 +177,7 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
     const Eigen::VectorXd at_one = as_error * 0.005 * kDegree_rad * Eigen::VectorXd::Unit(n, 1);
     Matrix6Xd errors = Matrix6Xd::Zero(6, n);
     if (!own) errors.row(5) = at_one.transpose();
-    return com_text(task, axis, nodes, own ? at_one : Eigen::VectorXd::Zero(n).eval(), errors, {});
+    return com_text(task, axis, nodes, own ? at_one : Eigen::VectorXd::Zero(n).eval(), 0, errors, {});
   };
   return {{"own_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, true)},
           {"yaw_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, false)},
@@ -325,40 +187,48 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 }  // namespace
 
 Controller heidenhain() {
-  return {.name = "heidenhain",
-          .title = "HEIDENHAIN TNC 640, iTNC 530: axis error tables and KinematicsComp",
-          .cannot_hold =
-              "errors of C that change with the tilt, what depends on the sense of motion, and what linear axes do.",
-          .questions =
-              {{{"com_sign",
-                 "Are .COM and COMPTAB values errors that the control takes away, or corrections that it adds?",
-                 {"error", "correction"},
-                 "Load commissioning/own_peak as AXIS_A.COM (AXIS_B.COM), tilt to -30 deg and read the axis against an "
-                 "indicator: it stands at -30.005 deg if the control takes errors away."},
-                {"comptab_prefix",
-                 "What stands before the column's name in COMPTAB?",
-                 {"axis letter", "A"},
-                 "Compare with a kinematics table that the control ships."},
-                {"com_angles",
-                 "Are angular columns C4 to C6 in degrees, and is the table linear between entries?",
-                 {"degrees, linear"},
-                 "Load commissioning/yaw_peak with the rows of KINEMATICS_COMP.TXT, tilt to -30 deg: X moves by the "
-                 "distance "
-                 "in Y from the axis times 0.0000873, and half of it at -15 deg."},
-                {"com_layout",
-                 "Does the control take this layout of columns?",
-                 {"yes"},
-                 "Import AXIS_C.COM and look at it on the screen."}},
-               {{"com_decimals", "decimals of the values", 4, 3, 7},
-                {"comptab_entries",
-                 "entries of KinematicsComp that are free (100 less the MachAxis lines and those in use)",
-                 static_cast<double>(kMostInserted), 1, static_cast<double>(kMostInserted)}}},
-          .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
-                       Angle::degrees(5), Angle::degrees(3)},
-          .emit = emit,
-          .play = play,
-          .loading = loading,
-          .commissioning = commissioning};
+  return {
+      .name = "heidenhain",
+      .title = "HEIDENHAIN TNC 640, iTNC 530: axis error tables and KinematicsComp",
+      .cannot_hold =
+          "errors of C that change with the tilt, what depends on the sense of motion beyond the positions of A and "
+          "C themselves, and what linear axes do.",
+      .questions =
+          {{{"com_sign",
+             "Are .COM and COMPTAB values errors that the control takes away, or corrections that it adds?",
+             {"error", "correction"},
+             "Load commissioning/own_peak as AXIS_A.COM (AXIS_B.COM), tilt to -30 deg and read the axis against an "
+             "indicator: it stands at -30.005 deg if the control takes errors away."},
+            {"comptab_prefix",
+             "What stands before the column's name in COMPTAB?",
+             {"axis letter", "A"},
+             "Compare with a kinematics table that the control ships."},
+            {"com_angles",
+             "Are angular columns C4 to C6 in degrees, and is the table linear between entries?",
+             {"degrees, linear"},
+             "Load commissioning/yaw_peak with the rows of KINEMATICS_COMP.TXT, tilt to -30 deg: X moves by the "
+             "distance "
+             "in Y from the axis times 0.0000873, and half of it at -15 deg."},
+            {"com_layout",
+             "Does the control take this layout of columns?",
+             {"yes"},
+             "Import AXIS_C.COM and look at it on the screen."},
+            {"com_backlash",
+             "Does BACKLASH hold the value in negative travel itself, or its difference to that in positive travel?",
+             {"value in negative travel", "difference to positive travel"},
+             "Enter 0.005 for BACKLASH in every row of commissioning/own_peak, tilt to -30 deg from above: the axis "
+             "stands at -30.005 deg if it is the value, at -30.010 if it is a difference (errors taken away).",
+             true}},
+           {{"com_decimals", "decimals of the values", 4, 3, 7},
+            {"comptab_entries",
+             "entries of KinematicsComp that are free (100 less the MachAxis lines and those in use)",
+             static_cast<double>(kMostInserted), 1, static_cast<double>(kMostInserted)}}},
+      .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
+                   Angle::degrees(3)},
+      .emit = emit,
+      .play = tnc::play,
+      .loading = loading,
+      .commissioning = commissioning};
 }
 
 }  // namespace trunnion

@@ -82,8 +82,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   for (const LocationError& error : location_errors(tilt_letter)) {
     const auto k = static_cast<Eigen::Index>(error.component);
     if (error.of_turning_axis) continue;
-    constant[k] = tilt_nodes.row(k).mean();
-    if (emission.quantised) constant[k] = rounded(constant[k], decimals_of(error.component));
+    constant[k] = rounded(tilt_nodes.row(k).mean(), decimals_of(error.component));
   }
   std::string names, values;
   for (const LocationError& error : location_errors(tilt_letter)) {
@@ -121,9 +120,9 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
 
   std::string list = "# " + provenance(task) + "\n";
   if (!task.profile.load_ready()) list += "# DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
+  const std::map<char, long> numbers = axis_numbers(task);
   for (const char letter : {'X', 'Y', 'Z', tilt_letter, 'C'})
-    list +=
-        std::string(1, letter) + " " + shortest_text(task.profile.number(std::string("axis_number_") + letter)) + "\n";
+    list += std::string(1, letter) + " " + std::to_string(numbers.at(letter)) + "\n";
   list += "workpiece_axes " + std::to_string(workpiece_axes(task.machine)) + "\n";
   list += std::string("negate ") + (values_are_added(task) ? "TRUE" : "FALSE") + "\n";
   list +=
@@ -304,6 +303,7 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
   const TableFile& list = find(kListFile);
   bool negate = false;
   std::string table = kTableFile, interpolation = "GRID";
+  std::map<char, long> wanted = axis_numbers(task);
   std::size_t line_number = 0;
   for (std::string_view line : lines_of(list.text)) {
     ++line_number;
@@ -317,6 +317,16 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
       negate = value == "TRUE";
     } else if (name == "file[0]") {
       table = value;
+    } else if (name == "file_format[0]" && value != "ISG_CSV") {
+      throw InputError(list.name, line_number, "file_format[0] " + value + ": only ISG_CSV is played");
+    } else if (name.size() == 1 && std::string_view("XYZABC").find(name[0]) != std::string_view::npos) {
+      const auto axis = wanted.find(name[0]);
+      if (axis == wanted.end() || integer_from(value) != axis->second)
+        throw InputError(list.name, line_number,
+                         "axis " + name + " " + value + ": " +
+                             (axis == wanted.end() ? "not an axis of this machine, or named before"
+                                                   : "its number is " + std::to_string(axis->second)));
+      wanted.erase(axis);
     } else if (name == "interpolation") {
       interpolation = value;
     } else if (name == "workpiece_axes") {
@@ -326,6 +336,8 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
                              " of this machine's axes carry the workpiece");
     }
   }
+  if (!wanted.empty())
+    throw InputError(list.name, "the number of axis " + std::string(1, wanted.begin()->first) + " is missing");
   if (interpolation != "GRID") throw InputError(list.name, "interpolation " + interpolation + ": only GRID is played");
   std::vector<VolcParameter> parameters;
   for (const Block& block : read_csv(find(table)))

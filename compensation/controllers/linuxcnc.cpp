@@ -66,6 +66,19 @@ JointTable tilt_joint_table(const CompensationTask& task, const std::vector<doub
   return table;
 }
 
+/// The control smooths a trim to half the joint's speed: steeper tables would be played otherwise than they say.
+void refuse_steep(const CompensationTask& task, const std::string& name, const JointTable& table) {
+  const double most = task.profile.number("table_slope");
+  for (std::size_t k = 1; k < table.rows.size(); ++k) {
+    const JointTable::Row &before = table.rows[k - 1], &row = table.rows[k];
+    const double slope = std::max(std::abs(row.forward - before.forward), std::abs(row.reverse - before.reverse)) /
+                         (row.nominal - before.nominal);
+    if (slope > most)
+      throw RangeError(name + ": changes by " + shortest_text(rounded(slope, 6)) + " deg per deg behind " +
+                       shortest_text(before.nominal) + ", profile.table_slope allows " + shortest_text(most));
+  }
+}
+
 std::vector<TableFile> joint_tables(const CompensationTask& task, Angle spacing, Emission emission) {
   const WorkingVolume& volume = task.volume;
   const double step = spacing.in_degrees() / emission.refine;
@@ -96,6 +109,10 @@ std::vector<TableFile> joint_tables(const CompensationTask& task, Angle spacing,
                                Angle::radians(turn_values[index] - reversal).in_degrees()});
   }
   const std::string tilt_name(1, task.machine.tilt_letter());
+  if (emission.for_the_control()) {
+    refuse_steep(task, "joint_" + tilt_name + ".comp", tilt_table);
+    refuse_steep(task, "joint_C.comp", turn_table);
+  }
   return {{"joint_tables/joint_" + tilt_name + ".comp", joint_table_text(tilt_table, emission)},
           {"joint_tables/joint_C.comp", joint_table_text(turn_table, emission)}};
 }
@@ -288,6 +305,7 @@ Controller linuxcnc() {
           .questions = {},
           .spacings = {Angle::degrees(10), Angle::degrees(5), Angle::degrees(2.5), Angle::degrees(1)},
           .spacing_loss = Length::micrometres(0.005),
+          .by_tables = false,
           .emit = emit,
           .play = play_linuxcnc,
           .loading = loading,

@@ -54,8 +54,7 @@ class Reader : public SinumerikAssignments {
 class Sinumerik : public PlayedCompensation {
  public:
   explicit Sinumerik(const CompensationTask& task) : tilt_(task.machine.tilt_letter()) {
-    for (const char axis : {'X', 'Y', 'Z', tilt_, 'C'}) letters_[axis_name(task, axis)] = axis;
-    if (letters_.size() != 5) throw ModelError("profile.axis_number_X …: two axes have the same number");
+    for (const auto& [axis, number] : axis_numbers(task)) letters_[axis_name(task, axis)] = axis;
     sign_ = task.profile.answer("cec_sign") == "subtract" ? -1 : 1;
     replaces_ = task.profile.answer("cec_product") == "instead of the table's own value";
     needs_on_ = task.profile.answer("cec_factor") == "must be switched on";

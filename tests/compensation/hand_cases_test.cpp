@@ -3,13 +3,13 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <string>
 
 #include "compensation/controller.h"
 #include "error.h"
 #include "model/model.h"
 #include "sample_models.h"
+#include "units/angle.h"
 
 // What each control does with a file, worked out on paper from its manuals' rules and not from our emitters. The files
 // are written out in full, the arithmetic stands above each number. First order: errors of 1e-5 rad and 0.01 mm leave
@@ -20,15 +20,14 @@ namespace {
 
 using compensation_test::trunnion_machine;
 
-constexpr double kSecondOrder_mm = 2e-6;
-constexpr double kRounding = 1e-12;
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kByHand_mm = 2e-6;
+constexpr double kByHand = 1e-12;
 
 /// A control with files of ours in it.
-class Bench {
+class Loaded {
  public:
-  explicit Bench(const std::string& controller, std::map<std::string, ProfileValue> profile = {},
-                 const std::string& structure = "w C' A' Y' b X Z t")
+  explicit Loaded(const std::string& controller, std::map<std::string, ProfileValue> profile = {},
+                  const std::string& structure = "w C' A' Y' b X Z t")
       : controller_(controller_named(controller)), machine_(trunnion_machine(controller)) {
     machine_.structure = parse_structure(structure);
     machine_.profile = std::move(profile);
@@ -48,8 +47,10 @@ class Bench {
     s.turn_sense = turn_sense;
     return played_->at(s);
   }
-  double tilt_deg(double a_deg, int sense = 1) const { return at(a_deg, 0, {0, 0, 0}, sense).tilt_rad / kDegree; }
-  double turn_deg(double c_deg, int sense = 1) const { return at(0, c_deg, {0, 0, 0}, 1, sense).turn_rad / kDegree; }
+  double tilt_deg(double a_deg, int sense = 1) const { return at(a_deg, 0, {0, 0, 0}, sense).tilt_rad / kDegree_rad; }
+  double turn_deg(double c_deg, int sense = 1) const {
+    return at(0, c_deg, {0, 0, 0}, 1, sense).turn_rad / kDegree_rad;
+  }
 
  private:
   const Controller& controller_;
@@ -62,40 +63,40 @@ class Bench {
 /// X, Y, Z in um.
 MATCHER_P3(MovesUm, x, y, z, "") {
   *result_listener << "moves " << (1e3 * arg.linear_mm).transpose() << " um";
-  return (arg.linear_mm - 1e-3 * Eigen::Vector3d(x, y, z)).norm() < kSecondOrder_mm;
+  return (arg.linear_mm - 1e-3 * Eigen::Vector3d(x, y, z)).norm() < kByHand_mm;
 }
 
 // SINUMERIK ----------------------------------------------------------------------------------------------------------
 
 /// A stands 0.0010 deg too far at 30 deg: a positive value drives the axis back. The end value is held.
 TEST(SinumerikByHand, AnEncoderTableIsTakenAway) {
-  Bench bench("sinumerik-840d");
+  Loaded bench("sinumerik-840d");
   bench.load({{"AX4_EEC.INI",
                "%_N_AX4_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,AX4]=0.0004\n$AA_ENC_COMP[0,1,AX4]=0.0\n"
                "$AA_ENC_COMP[0,2,AX4] = +0.0010 ; a comment\n$AA_ENC_COMP[0, 3, AX4]=0.0015\n"
                "$AA_ENC_COMP[0,4,AX4]=0.0\n$AA_ENC_COMP_STEP[0,AX4]=30.0\n$AA_ENC_COMP_MIN[0,AX4]=-30.0\n"
                "$AA_ENC_COMP_MAX[0,AX4]=90.0\n$AA_ENC_COMP_IS_MODULO[0,AX4]=0\nM17\n"}});
-  EXPECT_NEAR(bench.tilt_deg(30), -0.0010, kRounding);
-  EXPECT_NEAR(bench.tilt_deg(0), 0, kRounding);
-  EXPECT_NEAR(bench.tilt_deg(15), -0.0005, kRounding);  // half of 0.0010
-  EXPECT_NEAR(bench.tilt_deg(40), -0.00116667, 1e-8);   // 0.0010 + (10/30) 0.0005
-  EXPECT_NEAR(bench.tilt_deg(-30), -0.0004, kRounding);
-  EXPECT_NEAR(bench.tilt_deg(-100), -0.0004, kRounding);  // node 0, held
-  EXPECT_NEAR(bench.tilt_deg(100), 0, kRounding);         // node 4, held
+  EXPECT_NEAR(bench.tilt_deg(30), -0.0010, kByHand);
+  EXPECT_NEAR(bench.tilt_deg(0), 0, kByHand);
+  EXPECT_NEAR(bench.tilt_deg(15), -0.0005, kByHand);   // half of 0.0010
+  EXPECT_NEAR(bench.tilt_deg(40), -0.00116667, 1e-8);  // 0.0010 + (10/30) 0.0005
+  EXPECT_NEAR(bench.tilt_deg(-30), -0.0004, kByHand);
+  EXPECT_NEAR(bench.tilt_deg(-100), -0.0004, kByHand);  // node 0, held
+  EXPECT_NEAR(bench.tilt_deg(100), 0, kByHand);         // node 4, held
   EXPECT_EQ(bench.turn_deg(30), 0);
   EXPECT_THAT(bench.at(30, 0, {10, 20, 30}), MovesUm(0, 0, 0));
 }
 
 /// C's table repeats: -60 deg is 300, half way from node 2 (240) at -0.003 to node 3 (360 = 0) at 0.001.
 TEST(SinumerikByHand, AModuloTableRepeats) {
-  Bench bench("sinumerik-840d");
+  Loaded bench("sinumerik-840d");
   bench.load({{"AX5_EEC.INI",
                "$AA_ENC_COMP[0,0,AX5]=0.001\n$AA_ENC_COMP[0,1,AX5]=0.002\n$AA_ENC_COMP[0,2,AX5]=-0.003\n"
                "$AA_ENC_COMP[0,3,AX5]=0.001\n$AA_ENC_COMP_STEP[0,AX5]=120\n$AA_ENC_COMP_MIN[0,AX5]=0\n"
                "$AA_ENC_COMP_MAX[0,AX5]=360\n$AA_ENC_COMP_IS_MODULO[0,AX5]=1\nM17\n"}});
-  EXPECT_NEAR(bench.turn_deg(-60), 0.001, kRounding);   // -(-0.003 + 0.001)/2
-  EXPECT_NEAR(bench.turn_deg(480), -0.002, kRounding);  // 120
-  EXPECT_NEAR(bench.turn_deg(-240), -0.002, kRounding);
+  EXPECT_NEAR(bench.turn_deg(-60), 0.001, kByHand);   // -(-0.003 + 0.001)/2
+  EXPECT_NEAR(bench.turn_deg(480), -0.002, kByHand);  // 120
+  EXPECT_NEAR(bench.turn_deg(-240), -0.002, kByHand);
 }
 
 std::string sag(const std::string& t, const std::string& input, const std::string& output, const std::string& nodes,
@@ -113,7 +114,7 @@ const std::string kSagOfY =
 const std::string kBothWays = "$AN_CEC_DIRECTION[0]=0\n", kAlone = "$AN_CEC_MULT_BY_TABLE[0]=0\n";
 
 TEST(SinumerikByHand, ASagTableActsOnAnotherAxisWithTheSignOfTheProfile) {
-  Bench adds("sinumerik-840d", {{"cec_sign", std::string("add")}}),
+  Loaded adds("sinumerik-840d", {{"cec_sign", std::string("add")}}),
       subtracts("sinumerik-840d", {{"cec_sign", std::string("subtract")}});
   const TableFile file{"CEC.INI", "%_N_NC_CEC_INI\nCHANDATA(1)\n" + kSagOfY + kBothWays + kAlone + "M17\n"};
   adds.load({file});
@@ -126,7 +127,7 @@ TEST(SinumerikByHand, ASagTableActsOnAnotherAxisWithTheSignOfTheProfile) {
 }
 
 TEST(SinumerikByHand, ASagTableMayActInOneDirectionOfItsInputAxisOnly) {
-  Bench bench("sinumerik-840d");
+  Loaded bench("sinumerik-840d");
   bench.load({{"CEC.INI", kSagOfY + "$AN_CEC_DIRECTION[0]=-1\n" + kAlone + "M17\n"}});
   EXPECT_THAT(bench.at(30, 0, {0, 0, 0}, 1, -1), MovesUm(0, 0, 0));
   EXPECT_THAT(bench.at(30, 0, {0, 0, 0}, -1, 1), MovesUm(0, -2, 0));
@@ -142,19 +143,19 @@ TEST(SinumerikByHand, AProductTakesItsFactorByNumber) {
   const std::string both = kSagOfY + kBothWays + "$AN_CEC_MULT_BY_TABLE[0]=2\n" + factor;
   const TableFile off{"CEC.INI", both + "$SN_CEC_TABLE_ENABLE[1]=0\nM17\n"},
       on{"CEC.INI", both + "$SN_CEC_TABLE_ENABLE[1]=1\nM17\n"};
-  Bench instead("sinumerik-840d", {{"cec_product", std::string("instead of the table's own value")}});
+  Loaded instead("sinumerik-840d", {{"cec_product", std::string("instead of the table's own value")}});
   instead.load({off});
   EXPECT_THAT(instead.at(60, 0, {100, 0, 0}), MovesUm(0, -1, 0));
   EXPECT_THAT(instead.at(60, 0, {-100, 0, 0}), MovesUm(0, 1, 0));
   // Beside its own value: -5 - 1.
-  Bench beside("sinumerik-840d", {{"cec_product", std::string("beside the table's own value")}});
+  Loaded beside("sinumerik-840d", {{"cec_product", std::string("beside the table's own value")}});
   beside.load({off});
   EXPECT_THAT(beside.at(60, 0, {100, 0, 0}), MovesUm(0, -6, 0));
   // A factor that is on moves Y by itself: 0.2 mm.
   instead.load({on});
   EXPECT_THAT(instead.at(60, 0, {100, 0, 0}), MovesUm(0, 199, 0));
   // Where a factor must be on and is off, nothing is left of the product.
-  Bench must("sinumerik-840d", {{"cec_factor", std::string("must be switched on")}});
+  Loaded must("sinumerik-840d", {{"cec_factor", std::string("must be switched on")}});
   must.load({off});
   EXPECT_THAT(must.at(60, 0, {100, 0, 0}), MovesUm(0, 0, 0));
 }
@@ -181,7 +182,7 @@ const std::string kVolcTable =
 ///      = (-750, 550, -1720) nm; together (3.95, 0.25, -1.62), in R (x, -z, y): (3.95, 1.62, 0.25)
 /// and the sum is (5.95, 3.62, -7.25), by which the tool follows the work.
 TEST(IsgByHand, TheToolFollowsTheWorkByTheErrorsOfBothAxes) {
-  Bench bench("isg-twincat", {}, "w C' A' b X Y Z t");
+  Loaded bench("isg-twincat", {}, "w C' A' b X Y Z t");
   bench.load({{"volcomp0.lis", kVolcList}, {"trunnion.csv", kVolcTable}});
   EXPECT_THAT(bench.at(90, 180, {100, 50, -20}), MovesUm(5.95, 3.62, -7.25));
   EXPECT_EQ(bench.at(90, 180, {100, 50, -20}).tilt_rad, 0);
@@ -192,7 +193,7 @@ TEST(IsgByHand, TheToolFollowsTheWorkByTheErrorsOfBothAxes) {
 /// Half way in A and in C at once: (0 + 1.0 + 0.5 + 1.2) / 4 = 0.675 um along X, which A does not turn.
 /// C -90 is 270: the rows of 180 and 360. Beyond 90 the edge.
 TEST(IsgByHand, AMapIsBilinear) {
-  Bench bench("isg-twincat", {}, "w C' A' b X Y Z t");
+  Loaded bench("isg-twincat", {}, "w C' A' b X Y Z t");
   bench.load({{"volcomp0.lis", kVolcList},
               {"trunnion.csv", "A C EXC\n0 0 0\n0 180 0.0010\n0 360 0\n90 0 0.0005\n90 180 0.0012\n90 360 0.0005\n"}});
   EXPECT_THAT(bench.at(45, 90), MovesUm(0.675, 0, 0));
@@ -203,7 +204,7 @@ TEST(IsgByHand, AMapIsBilinear) {
 
 /// X stands 4 um too far and 1 um too high at 100 mm: the command goes back by both, half of it at 50.
 TEST(IsgByHand, ErrorsOfALinearAxisAreTakenAway) {
-  Bench bench("isg-twincat", {}, "w C' A' b X Y Z t");
+  Loaded bench("isg-twincat", {}, "w C' A' b X Y Z t");
   bench.load({{"volcomp0.lis", kVolcList}, {"trunnion.csv", "X EXX EZX\n0 0 0\n100 0.004 0.001\n"}});
   EXPECT_THAT(bench.at(0, 0, {100, 7, 7}), MovesUm(-4, 0, -1));
   EXPECT_THAT(bench.at(0, 0, {50, 0, 0}), MovesUm(-2, 0, -0.5));
@@ -229,16 +230,20 @@ const std::string kRowsOfBoth =
     "NR   DOC   KEY       AXIS  COORD  COMPTAB\n0 EYA Trans Y A..C2\n1 ECA Trans C A..C6\n2 MachAxis A\n"
     "3 EXC Trans X C..C1\n4 EYC Trans Y C..C2\n5 EZC Trans Z C..C3\n6 MachAxis C\n";
 
+const TableFile kAssigned{"CONFIG.CMA",
+                          "BEGIN CONFIG.CMA\nNR   ACTIVE  A         C\n0            AXIS_C    AXIS_A\n"
+                          "1    *       AXIS_A    AXIS_C\n[END]\n"};
+
 /// The axis' own column is an error and is taken away; what stands in COMPTAB moves the work, and the tool follows.
 /// A 30: EYA 2 um, ECA 0.002 deg = 34.907 urad, at (100, 40, 0): (-40, 100) x 34.907 nm = (-1.396, 3.491) um.
 TEST(HeidenhainByHand, OwnColumnsAreTakenAwayAndInsertedErrorsFollowed) {
-  Bench bench("heidenhain");
-  bench.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", kComC}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}});
-  EXPECT_NEAR(bench.tilt_deg(30), -0.0010, kRounding);
-  EXPECT_NEAR(bench.tilt_deg(-15), -0.0002, kRounding);
-  EXPECT_NEAR(bench.turn_deg(90), 0.0030, kRounding);
-  EXPECT_NEAR(bench.turn_deg(225), 0.0015, kRounding);  // half way from 90 to 360
-  EXPECT_NEAR(bench.turn_deg(-135), 0.0015, kRounding);
+  Loaded bench("heidenhain");
+  bench.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", kComC}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}, kAssigned});
+  EXPECT_NEAR(bench.tilt_deg(30), -0.0010, kByHand);
+  EXPECT_NEAR(bench.tilt_deg(-15), -0.0002, kByHand);
+  EXPECT_NEAR(bench.turn_deg(90), 0.0030, kByHand);
+  EXPECT_NEAR(bench.turn_deg(225), 0.0015, kByHand);  // half way from 90 to 360
+  EXPECT_NEAR(bench.turn_deg(-135), 0.0015, kByHand);
   EXPECT_THAT(bench.at(30, 0, {100, 40, 0}), MovesUm(-1.396, 2 + 3.491, 0));
   EXPECT_THAT(bench.at(15, 0, {100, 40, 0}), MovesUm(-0.698, 1 + 1.745, 0));
   EXPECT_THAT(bench.at(-60, 0, {100, 40, 0}), MovesUm(0, 4, 0));  // held
@@ -247,21 +252,40 @@ TEST(HeidenhainByHand, OwnColumnsAreTakenAwayAndInsertedErrorsFollowed) {
 /// Errors of C stand in A's frame. At A -90 that has its Y along -Z and its Z along Y of R: (3, 4, 5) is (3, 5, -4).
 /// A's own EYA of 4 um (held below -30) comes to it.
 TEST(HeidenhainByHand, ErrorsOfCTurnWithA) {
-  Bench bench("heidenhain");
-  bench.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", kComC}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}});
+  Loaded bench("heidenhain");
+  bench.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", kComC}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}, kAssigned});
   EXPECT_THAT(bench.at(-90, 90), MovesUm(3, 4 + 5, -4));
   EXPECT_THAT(bench.at(0, 90), MovesUm(3, 4, 5));
 }
 
 TEST(HeidenhainByHand, ValuesMayBeCorrectionsAndColumnsNotInsertedAreNotPlayed) {
-  Bench bench("heidenhain", {{"com_sign", std::string("correction")}});
+  Loaded bench("heidenhain", {{"com_sign", std::string("correction")}});
   bench.load({{"AXIS_A.COM", kComA},
               {"AXIS_C.COM", kComC},
               {"KINEMATICS_COMP.TXT",
                "NR   DOC   KEY       AXIS  COORD  COMPTAB\n0 MachAxis A\n"
-               "3 EXC Trans X C..C1\n6 MachAxis C\n"}});
-  EXPECT_NEAR(bench.tilt_deg(30), 0.0010, kRounding);
+               "3 EXC Trans X C..C1\n6 MachAxis C\n"},
+              kAssigned});
+  EXPECT_NEAR(bench.tilt_deg(30), 0.0010, kByHand);
   EXPECT_THAT(bench.at(30, 90), MovesUm(-3, 0, 0));
+}
+
+/// C stands 3 mdeg too far coming from below and 5 coming from above; or 2 further than from below.
+TEST(HeidenhainByHand, BacklashIsTheAxisItselfComingFromTheOtherSide) {
+  const std::string head = "BEGIN AXIS_C.COM MM\nNR   AXISPOS       BACKLASH  C\n";
+  const std::string whole =
+                        head + "0    +0.0000       +0.0050   +0.0030\n1    +360.0000     +0.0050   +0.0030\n[END]\n",
+                    further =
+                        head + "0    +0.0000       +0.0020   +0.0030\n1    +360.0000     +0.0020   +0.0030\n[END]\n";
+  Loaded value("heidenhain"),
+      difference("heidenhain", {{"com_backlash", std::string("difference to positive travel")}});
+  value.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", whole}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}, kAssigned});
+  difference.load({{"AXIS_A.COM", kComA}, {"AXIS_C.COM", further}, {"KINEMATICS_COMP.TXT", kRowsOfBoth}, kAssigned});
+  for (const Loaded* bench : {&value, &difference}) {
+    EXPECT_NEAR(bench->turn_deg(100, 1), -0.003, kByHand);
+    EXPECT_NEAR(bench->turn_deg(100, -1), -0.005, kByHand);
+    EXPECT_NEAR(bench->tilt_deg(30, -1), -0.001, kByHand) << "A's table has no values for it";
+  }
 }
 
 // FANUC --------------------------------------------------------------------------------------------------------------
@@ -274,35 +298,52 @@ const std::string kPitch =
     "N10162P-2;\nN10163P-1;\nN10164P2;\nN10165P2;\nN10166P2;\nN10167P-1;\nN10168P-1;\n";
 
 TEST(FanucByHand, IncrementsAddUpFromTheReferenceOn) {
-  Bench bench("fanuc-30i", {{"detection_unit_deg", 0.001}});
+  Loaded bench("fanuc-30i", {{"detection_unit_deg", 0.001}});
   bench.load({{"PARAM.TXT", kPitch + "%\n"}});
   const double wanted[] = {0, -1, -3, -4, -2, 0, 2, 1, 0};
-  for (int k = 0; k <= 8; ++k) EXPECT_NEAR(bench.turn_deg(45 * k), 0.001 * wanted[k], kRounding) << 45 * k;
-  EXPECT_NEAR(bench.turn_deg(67.5), -0.002, kRounding);
-  EXPECT_NEAR(bench.turn_deg(-45), 0.001, kRounding);
+  for (int k = 0; k <= 8; ++k) EXPECT_NEAR(bench.turn_deg(45 * k), 0.001 * wanted[k], kByHand) << 45 * k;
+  EXPECT_NEAR(bench.turn_deg(67.5), -0.002, kByHand);
+  EXPECT_NEAR(bench.turn_deg(-45), 0.001, kByHand);
   // On the way down from 60 to 59 the increment of 60 (-3) is passed backwards, from 59 to 58 that of 59 (+5).
-  EXPECT_NEAR(bench.tilt_deg(-45), 0.003, kRounding);
-  EXPECT_NEAR(bench.tilt_deg(-90), -0.002, kRounding);
-  EXPECT_NEAR(bench.tilt_deg(0), 0, kRounding);
+  EXPECT_NEAR(bench.tilt_deg(-45), 0.003, kByHand);
+  EXPECT_NEAR(bench.tilt_deg(-90), -0.002, kByHand);
+  EXPECT_NEAR(bench.tilt_deg(0), 0, kByHand);
   // What follows shares the file: 3623 makes it 7 times as much, the profile turns it round.
   std::string larger = kPitch;
   larger.replace(larger.find("N3623A5P1;"), 10, "N3623A5P7;");
   bench.load({{"PARAM.TXT", larger + "%\n"}});
-  EXPECT_NEAR(bench.turn_deg(135), -0.028, kRounding);
-  Bench subtracts("fanuc-30i", {{"detection_unit_deg", 0.001}, {"pitch_sign", std::string("subtract")}});
+  EXPECT_NEAR(bench.turn_deg(135), -0.028, kByHand);
+  Loaded subtracts("fanuc-30i", {{"detection_unit_deg", 0.001}, {"pitch_sign", std::string("subtract")}});
   subtracts.load({{"PARAM.TXT", kPitch + "%\n"}});
-  EXPECT_NEAR(subtracts.turn_deg(135), 0.004, kRounding);
+  EXPECT_NEAR(subtracts.turn_deg(135), 0.004, kByHand);
 }
 
 /// A's line is 20 um higher in Y than R's origin. A -90 turns about it: o - R o = (0, 20, 0) - (0, 0, -20) um. C's line
 /// is 10 um beside A's in X: half a turn, (10, 0, 0) - (-10, 0, 0).
 TEST(FanucByHand, ToolCentrePointControlFollowsThePlacesOfTheAxes) {
-  Bench bench("fanuc-30i", {{"detection_unit_deg", 0.001}});
+  Loaded bench("fanuc-30i", {{"detection_unit_deg", 0.001}});
   bench.load({{"PARAM.TXT", kPitch + "N19680P12;\nN19700P0.0;\nN19701P0.02;\nN19702P0.0;\nN19703P0.01;\nN19704P-0.02;\n"
                                      "N19705P0.0;\n%\n"}});
   EXPECT_THAT(bench.at(-90, 0, {30, 40, 50}), MovesUm(0, 20, 20));
   EXPECT_THAT(bench.at(0, 180, {30, 40, 50}), MovesUm(20, 0, 0));
   EXPECT_THAT(bench.at(0, 0, {30, 40, 50}), MovesUm(0, 0, 0));
+}
+
+/// The same pitch on the way down, from points 200 on, but -3 in units of 3623 at the reference coming from above: with
+/// a magnification of 2 that is 0.002 x (-3) at 0, and 0.002 x (-3 - 4) at 135 deg.
+TEST(FanucByHand, NegativeTravelHasPointsOfItsOwn) {
+  std::string both = kPitch;
+  both.replace(both.find("N3623A5P1;"), 10, "N3623A5P2;\nN3626A5P200;\nN3627A5P-3;");
+  const int down[] = {-1, -1, -2, -1, 2, 2, 2, -1, -1};
+  for (int k = 0; k <= 8; ++k) both += "N" + std::to_string(10200 + k) + "P" + std::to_string(down[k]) + ";\n";
+  Loaded bench("fanuc-30i", {{"detection_unit_deg", 0.001}});
+  bench.load({{"PARAM.TXT", both + "%\n"}});
+  EXPECT_NEAR(bench.turn_deg(0, -1), -0.006, kByHand);
+  EXPECT_NEAR(bench.turn_deg(135, -1), -0.014, kByHand);
+  EXPECT_NEAR(bench.turn_deg(135, 1), -0.008, kByHand);
+  Loaded plain("fanuc-30i", {{"detection_unit_deg", 0.001}, {"pitch_reference", std::string("in detection units")}});
+  plain.load({{"PARAM.TXT", both + "%\n"}});
+  EXPECT_NEAR(plain.turn_deg(135, -1), -0.011, kByHand);
 }
 
 // AEROTECH -----------------------------------------------------------------------------------------------------------
@@ -316,7 +357,7 @@ const std::string kCal =
     "0.4 4.0  0.0 0.0  -0.2 -2.0  -0.5 -5.0  -0.9 -9.0\n:END\n";
 
 TEST(AerotechByHand, ATableIsAddedBilinearAndHeldAtItsEnds) {
-  Bench bench("aerotech");
+  Loaded bench("aerotech");
   bench.load({{"trunnion.cal", kCal}});
   EXPECT_THAT(bench.at(0, 90), MovesUm(3.0, 0.2, 0));
   EXPECT_THAT(bench.at(30, 180), MovesUm(0.8, -2.2, 0));
@@ -335,14 +376,14 @@ TEST(AerotechByHand, ATableIsAddedBilinearAndHeldAtItsEnds) {
 
 /// Three outputs, of which one turns: thousandths of its primary unit, degrees. In mm without a divisor.
 TEST(AerotechByHand, UnitsAreThoseOfEachOutput) {
-  Bench bench("aerotech");
+  Loaded bench("aerotech");
   bench.load({{"trunnion.cal",
                ":START2D 5 4 4 5 180 90 2\n:START2D POSUNIT=PRIMARY CORUNIT=PRIMARY/1000 OFFSETROW=0 OFFSETCOL=90\n"
                "0 0  0 0\n5 -3  0 0\n0 0  0 0\n:END\n"
                ":START2D 1 4 1 2 100 90 2\n:START2D OUTAXIS3=3 POSUNIT=PRIMARY CORUNIT=PRIMARY OFFSETROW=0 "
                "OFFSETCOL=90\n0 0 0  0 0 0\n0.001 0.002 0.003  0 0 0\n:END\n"}});
-  EXPECT_NEAR(bench.at(-90, 180).tilt_rad / kDegree, 0.005, kRounding);
-  EXPECT_NEAR(bench.at(-90, 180).turn_rad / kDegree, -0.003, kRounding);
+  EXPECT_NEAR(bench.at(-90, 180).tilt_rad / kDegree_rad, 0.005, kByHand);
+  EXPECT_NEAR(bench.at(-90, 180).turn_rad / kDegree_rad, -0.003, kByHand);
   EXPECT_THAT(bench.at(-90, 0, {100, 0, 0}), MovesUm(1, 2, 3));
   EXPECT_THAT(bench.at(-45, 0, {50, 0, 0}), MovesUm(0.25, 0.5, 0.75));
 }
@@ -350,15 +391,15 @@ TEST(AerotechByHand, UnitsAreThoseOfEachOutput) {
 /// An encoder of X that counts against the program: the same numbers move X the other way. One of C likewise: it stands
 /// at -90 for C 90, the second row from 0 in steps of -90.
 TEST(AerotechByHand, PositionsAndCorrectionsFollowTheEncoders) {
-  Bench x_against("aerotech", {{"encoder_sense_X", -1.0}});
+  Loaded x_against("aerotech", {{"encoder_sense_X", -1.0}});
   x_against.load({{"trunnion.cal", kCal}});
   EXPECT_THAT(x_against.at(0, 90), MovesUm(-3.0, 0.2, 0));
-  Bench c_against("aerotech", {{"encoder_sense_C", -1.0}});
+  Loaded c_against("aerotech", {{"encoder_sense_C", -1.0}});
   std::string file = kCal;
   file.replace(file.find(" 90 30 5"), 8, " -90 30 5");
   c_against.load({{"trunnion.cal", file}});
   EXPECT_THAT(c_against.at(0, 90), MovesUm(3.0, 0.2, 0));
-  Bench subtracts("aerotech", {{"cal_sign", std::string("subtract")}});
+  Loaded subtracts("aerotech", {{"cal_sign", std::string("subtract")}});
   subtracts.load({{"trunnion.cal", kCal}});
   EXPECT_THAT(subtracts.at(0, 90), MovesUm(-3.0, -0.2, 0));
 }
