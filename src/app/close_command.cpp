@@ -13,6 +13,7 @@
 #include "app/progress.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
+#include "conventions/reading_checks.h"
 #include "discovery/closure.h"
 #include "error.h"
 #include "identification/findings.h"
@@ -73,8 +74,9 @@ std::string verdict_sentence(const ClosureResult& r) {
            (r.verdict == Verdict::nothing_missing ? ": the rotary maps account for the readings, "
                                                   : ": no effect of the catalogue accounts for what is left, ") +
            residual;
-  return text + ": with " + names + " the residual falls from " + formatted("%.3f um rms", r.before.rms_um) + " to " +
-         formatted("%.3f um, ", r.after.rms_um) + "declared " + formatted("%.3f um", r.noise_um);
+  return text + ": with " + names + " the residual " + (r.after.rms_um < r.before.rms_um ? "falls" : "goes") +
+         " from " + formatted("%.3f um rms", r.before.rms_um) + " to " + formatted("%.3f um, ", r.after.rms_um) +
+         "declared " + formatted("%.3f um", r.noise_um);
 }
 
 std::string summary(const ClosureResult& r, char tilt) {
@@ -159,6 +161,8 @@ int run(const Options& o, const Talk& talk) {
   const auto readings = [&](const std::string& path, const std::string& role) {
     inputs.push_back(path);
     ObservationSet set = read_observations(path, machine);
+    if (const Check check = rounding_check(set, machine); check.outcome != Outcome::passed)
+      talk.warn(path + ": " + check.found + "; " + check.advice);
     const bool active = !o.active.empty() && (o.active_only.empty() || o.active_only == role);
     return active ? without_active(std::move(set), o.active, machine, inputs) : set;
   };

@@ -11,6 +11,7 @@
 #include "app/progress.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
+#include "conventions/reading_checks.h"
 #include "error.h"
 #include "identification/identify.h"
 #include "io/identification_report.h"
@@ -157,6 +158,8 @@ EarlierMap earlier_map(const Options& o, const Machine& machine, const Talk& tal
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
   ObservationSet observations = read_observations(o.observations, machine);
+  if (const Check check = rounding_check(observations, machine); check.outcome != Outcome::passed)
+    talk.warn(o.observations + ": " + check.found + "; " + check.advice);
   IdentificationOptions options{.robust = !o.no_robust, .fill = o.fill, .interpolation = o.interpolation};
   options.method = o.method == "two-step" ? IdentificationMethod::two_step : IdentificationMethod::joint;
   std::vector<std::string> inputs = {o.machine, o.observations};

@@ -124,6 +124,16 @@ Check place_units(const ObservationSet& set) {
   return check;
 }
 
+/// Whether all contacts lie on a grid of that step.
+bool on_grid(const ObservationSet& set, double step_mm) {
+  constexpr double kAside = 1e-4;  // of a step: what decimals written and read leave
+  return std::ranges::all_of(set.rows, [&](const Observation& o) {
+    if (o.kind != ReadingKind::contact) return true;
+    const Eigen::Array3d steps = o.position_mm.array() / step_mm;
+    return ((steps - steps.round()).abs() < kAside).all();
+  });
+}
+
 Check reference(const ObservationSet& set) {
   Check check{.id = "reference.measured", .outcome = Outcome::passed, .found = {}, .advice = {}};
   const bool contacts =
@@ -262,6 +272,34 @@ Checks freedoms(const LinearProblem& problem, const ObservationSet& set, char ti
 
 }  // namespace
 
+double coordinate_step_mm(const ObservationSet& observations) {
+  constexpr std::ptrdiff_t kFewest = 30;
+  const auto contacts = std::ranges::count(observations.rows, ReadingKind::contact, &Observation::kind);
+  if (contacts < kFewest) return 0;
+  for (double power = 0.1; power > 5e-6; power /= 10)
+    for (const double digit : {1.0, 0.5, 0.2})
+      if (on_grid(observations, digit * power)) return digit * power;
+  return 0;
+}
+
+Check rounding_check(const ObservationSet& observations, const Machine& machine) {
+  Check check{.id = "units.rounding", .outcome = Outcome::passed, .found = {}, .advice = {}};
+  const double step_um = 1e3 * coordinate_step_mm(observations), scatter_um = step_um / std::sqrt(12.0);
+  double least_um = 1e3 * machine.probe.sigma.in_millimetres();
+  for (const Observation& o : observations.rows)
+    if (o.kind == ReadingKind::contact && o.sigma > 0) least_um = std::min(least_um, 1e3 * o.sigma);
+  check.found =
+      step_um > 0 ? "contacts are multiples of " + formatted("%.4g", step_um) + " um" : "contacts are told finely";
+  if (scatter_um > least_um) {
+    check.outcome = Outcome::warning;
+    check.found += formatted(": rounding alone scatters by %.3g um,", scatter_um) +
+                   formatted(" the declared sigma is %.3g um", least_um);
+    check.advice =
+        "declare a sigma_um of " + formatted("%.3g", scatter_um) + " at least, or have more decimals written";
+  }
+  return check;
+}
+
 Checks reading_checks(const ObservationSet& observations, const Machine& machine) {
   Checks checks;
   const auto add = [&](Checks more) {
@@ -273,6 +311,8 @@ Checks reading_checks(const ObservationSet& observations, const Machine& machine
   if (!fits.empty() && moves_right) add(axis_lines(fits.front()));
   checks.push_back(strokes(observations, machine));
   if (std::ranges::any_of(observations.rows, has_place)) checks.push_back(place_units(observations));
+  if (std::ranges::count(observations.rows, ReadingKind::contact, &Observation::kind) > 0)
+    checks.push_back(rounding_check(observations, machine));
   checks.push_back(reference(observations));
   add(covariates(observations, machine));
   if (!moves_right || checks[1].outcome == Outcome::failed) return checks;

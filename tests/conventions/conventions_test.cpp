@@ -38,6 +38,27 @@ ObservationSet readings(const testing::VirtualMachine& machine, std::uint64_t se
   return testing::as_observations(testing::probe(machine, testing::two_top_plan(), {.sigma_mm = kSigma_mm}, noise));
 }
 
+TEST(ReadingChecks, RoundingMoreCoarselyThanTheProbeScattersIsSaid) {
+  ObservationSet set = readings(testing::smooth_machine(3));
+  Machine machine = read_machine(TRUNNION_SOURCE_DIR "/samples/calibrate/machine.toml");
+  machine.probe.sigma = Length::micrometres(0.175);
+  EXPECT_EQ(coordinate_step_mm(set), 0);
+  EXPECT_EQ(rounding_check(set, machine).outcome, Outcome::passed);
+  for (const double step_mm : {1e-3, 5e-4, 2e-4}) {
+    ObservationSet rounded = set;
+    for (Observation& o : rounded.rows) o.position_mm = step_mm * (o.position_mm / step_mm).array().round();
+    EXPECT_NEAR(coordinate_step_mm(rounded), step_mm, 1e-12);
+    const Check check = rounding_check(rounded, machine);
+    EXPECT_EQ(check.outcome, step_mm > 6.1e-4 ? Outcome::warning : Outcome::passed) << "0.175 um is 0.606 um rounded";
+    machine.probe.sigma = Length::micrometres(0.1);  // 0.5 um rounded scatter by 0.144 um
+    EXPECT_EQ(rounding_check(rounded, machine).outcome, step_mm > 3.5e-4 ? Outcome::warning : Outcome::passed);
+    machine.probe.sigma = Length::micrometres(0.175);
+  }
+  set.rows.resize(20);
+  for (Observation& o : set.rows) o.position_mm = o.position_mm.array().round();
+  EXPECT_EQ(coordinate_step_mm(set), 0) << "twenty readings say nothing of a step";
+}
+
 TEST(MachineChecks, TheLawsHoldOnEveryMachineFile) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(TRUNNION_SOURCE_DIR "/machines")) {
