@@ -34,6 +34,7 @@ struct CorrectionCounts {
 struct Insertion {
   std::uint64_t line = 0;
   std::uint32_t count = 0;
+  bool takes_up = false;  ///< the first piece only takes up what an axis loses where it turns round
 };
 
 /// What one chunk of a program became.

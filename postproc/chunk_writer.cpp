@@ -147,12 +147,12 @@ void ChunkWriter::direction_words(const MotionBlock& block, const Solution& end,
   }
 }
 
-NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after,
-                              std::size_t pieces) const {
+NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after, std::size_t pieces,
+                              std::size_t lines) const {
   if (block.kind != BlockKind::feed) return {};
   const double n = static_cast<double>(pieces);
   if (block.feed_mode == FeedMode::inverse_time) {
-    if (pieces == 1) return {};
+    if (lines == 1) return {};
     if (block.feed <= 0) throw RefusalError("F is not known: with G93 every block that moves needs its own");
     return {.word = feed_decimal(block.feed * n)};
   }
@@ -177,7 +177,8 @@ NewFeed ChunkWriter::new_feed(const MotionBlock& block, const Ticks& before, con
       nominal > 0 ? nominal / (block.feed * block.feed_unit_mm) : turn_deg(block.from, block.target) / block.feed;
   if (!text_.time_in_seconds) return {.word = feed_decimal(n / minutes), .timed = true};
   const double seconds = 60 * minutes / n;
-  if (seconds > kLongestTime_s || seconds < kShortestTime_s)
+  if (seconds < kShortestTime_s) return {};  // shorter than any cycle of a control: F alone does no harm
+  if (seconds > kLongestTime_s)
     throw RefusalError("the duration of this turn, " + text_of(seconds, 4) + " s, is beyond what FT can say");
   return {.word = rounded(seconds, kTimeDecimals), .timed = true};
 }
@@ -187,19 +188,42 @@ void ChunkWriter::remember(const Solution& solution) {
   *last_ = solution;
 }
 
+/// The correction at the block's begin, where an axis turns round there and the correction leaps with its sense. What
+/// the axis loses is then taken up by a piece of its own: spread over the block it would be wrong by nearly all of it
+/// on the way. A block that cannot be divided keeps its one piece.
+std::optional<Solution> ChunkWriter::taken_up(const MotionBlock& block) const {
+  if (last_ == nullptr || block.kind != BlockKind::feed || !block.from_known || block.arc() != nullptr)
+    return std::nullopt;
+  const Commanded& before = last_->commanded;
+  const auto turned = [](int was, int is) { return was != 0 && is != 0 && was != is; };
+  bool round = turned(before.tilt_sense, block.tilt_sense) || turned(before.turn_sense, block.turn_sense);
+  for (std::size_t k = 0; k < 3; ++k) round |= turned(before.linear_sense[k], block.linear_sense[k]);
+  if (!round) return std::nullopt;
+  if (block.stops || block.cutter || (block.extras && !block.extras->undividable.empty())) return std::nullopt;
+  // Against the same moment with the senses of before: what drifts meanwhile is no leap.
+  MotionBlock on = block;
+  on.tilt_sense = static_cast<std::int8_t>(before.tilt_sense);
+  on.turn_sense = static_cast<std::int8_t>(before.turn_sense);
+  on.linear_sense = before.linear_sense;
+  Solution begin = solver_.solved(block, block.from);
+  return solver_.leaps(solver_.solved(on, block.from), begin) ? std::optional(std::move(begin)) : std::nullopt;
+}
+
 void ChunkWriter::correct(const MotionBlock& block) {
   Solution& end = last_ == &kept_[0] ? kept_[1] : kept_[0];
   solver_.solve(block, block.target, end);
   solver_.check(block.target, end);
   if (block.kind == BlockKind::feed && block.from_known && last_) solver_.check_change(*last_, end);
   const Ticks before = ticks_before(block);
-  const bool whole = solver_.is_short(block);
-  if (whole && !new_feed(block, before, end.ticks, 1).word && block_text_.rewrite_plainly(block, end.ticks, before)) {
+  const std::optional<Solution> begin = taken_up(block);
+  const bool whole = solver_.is_short(block) && !begin;
+  if (whole && !new_feed(block, before, end.ticks, 1, 1).word &&
+      block_text_.rewrite_plainly(block, end.ticks, before)) {
     lines_since_arc_ = false;
     count(end);
     last_ = &end;
   } else {
-    correct(block, end, before, whole);
+    correct(block, end, before, whole, begin);
   }
   ++block_text_.out().counts.corrected_blocks;
   ticks_ = end.ticks;
@@ -207,7 +231,8 @@ void ChunkWriter::correct(const MotionBlock& block) {
 }
 
 /// Any block but the usual one.
-void ChunkWriter::correct(const MotionBlock& block, Solution& end, const Ticks& before, bool whole) {
+void ChunkWriter::correct(const MotionBlock& block, Solution& end, const Ticks& before, bool whole,
+                          const std::optional<Solution>& begin) {
   Pen pen{.before = before, .last = before, .last_place = &block.from};
   NewFeed feed;
   std::vector<NewWords> pieces;
@@ -216,23 +241,26 @@ void ChunkWriter::correct(const MotionBlock& block, Solution& end, const Ticks& 
   if (!whole && block.arc() != nullptr) centre = solver_.moved_arc(block, pen.before, end);
   if (whole || centre) {
     const NewWords words = this->words(block, end, true, pen);
-    feed = new_feed(block, pen.before, end.ticks, 1);
+    feed = new_feed(block, pen.before, end.ticks, 1, 1);
     if (!feed.word && !centre && !block.arc()) {
       block_text_.rewrite_numbers(block, words);
     } else {
       pieces.push_back(words);
     }
   } else {
-    const Way sent = solver_.way(block, end);
+    Way sent = solver_.is_short(block) ? Way{.ends = {end}} : solver_.way(block, end);
     pen.lines = block.arc() != nullptr || (block.straight_on_part && sent.ends.size() > 1);
     within_tolerance = sent.within_tolerance;
+    if (begin) sent.ends.insert(sent.ends.begin(), *begin);
     for (const Solution& solution : sent.ends) {
       solver_.check(solution.programmed, solution);
       pieces.push_back(words(block, solution, &solution == &sent.ends.back(), pen));
       count(solution);
       remember(solution);
     }
-    feed = new_feed(block, pen.before, end.ticks, pieces.size());
+    // A piece that only takes up costs no time of the others.
+    feed =
+        new_feed(block, begin ? begin->ticks : pen.before, end.ticks, pieces.size() - (begin ? 1 : 0), pieces.size());
   }
   if ((pieces.size() > 1 || feed.timed) && block.stops)
     throw RefusalError(
@@ -259,6 +287,7 @@ void ChunkWriter::correct(const MotionBlock& block, Solution& end, const Ticks& 
       block_text_.end_line(block);
       for (std::size_t i = 1; i < pieces.size(); ++i) block_text_.insert(block, pieces[i], feed);
       if (feed.timed) block_text_.restore_feed(block);
+      if (begin) block_text_.out().inserted.back().takes_up = true;
     }
   }
   if (!within_tolerance) ++block_text_.out().counts.beyond_tolerance;

@@ -34,11 +34,15 @@ class ChunkWriter {
   NewWords words(const MotionBlock& block, const Solution& end, bool final, Pen& pen) const;
   void direction_words(const MotionBlock& block, const Solution& end, bool final, const Pen& pen,
                        NewWords& words) const;
-  NewFeed new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after, std::size_t pieces) const;
+  /// The feed of a block whose way is divided into so many pieces, written on so many lines.
+  NewFeed new_feed(const MotionBlock& block, const Ticks& before, const Ticks& after, std::size_t pieces,
+                   std::size_t lines) const;
   Ticks ticks_before(const MotionBlock& block) const;
   void remember(const Solution& solution);
   void correct(const MotionBlock& block);
-  void correct(const MotionBlock& block, Solution& end, const Ticks& before, bool whole);
+  void correct(const MotionBlock& block, Solution& end, const Ticks& before, bool whole,
+               const std::optional<Solution>& begin);
+  std::optional<Solution> taken_up(const MotionBlock& block) const;
   void set_position(const MotionBlock& block);
   void count(const Solution& solution);
 

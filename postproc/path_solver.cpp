@@ -307,6 +307,12 @@ std::optional<Eigen::Vector3d> PathSolver::moved_arc(const MotionBlock& block, c
   return centre;
 }
 
+bool PathSolver::leaps(const Solution& before, const Solution& now) const {
+  return (now.linear.change_mm - before.linear.change_mm).norm() > guard_.tolerance_mm ||
+         std::abs((now.tilt_by - before.tilt_by).in_radians()) > guard_.tolerance_rad ||
+         std::abs((now.turn_by - before.turn_by).in_radians()) > guard_.tolerance_rad;
+}
+
 bool PathSolver::is_short(const MotionBlock& block) const {
   if (block.kind != BlockKind::feed || !block.from_known) return true;
   return block.arc() == nullptr && turn2_deg2(block.from, block.target) <= squared(kStraight_deg) &&

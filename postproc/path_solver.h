@@ -79,6 +79,9 @@ class PathSolver {
   void check(const AxisValues& at, const Solution& solution) const;
   void check_change(const Solution& before, const Solution& now) const;
 
+  /// Whether the correction of one place differs by more than the tolerance, as it does for another sense of motion.
+  bool leaps(const Solution& before, const Solution& now) const;
+
   /// Moves so short that the correction cannot bend them by more than the tolerance.
   bool is_short(const MotionBlock& block) const;
   /// By how much an arc is moved if it stays an arc within tolerance, in the program's frame: from where it begins

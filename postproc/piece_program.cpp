@@ -93,9 +93,13 @@ class Writer {
     add(std::string(frame_.rapid) + words(tip_w_mm, at) + std::string(frame_.rapid_end) + "\n");
   }
 
+  /// Nothing where the words do not change.
   void line(const Eigen::Vector3d& tip_w_mm, IndexedPosition at, std::optional<double> feed = std::nullopt) {
-    add(std::string(frame_.line) + words(tip_w_mm, at) + std::string(frame_.line_end) +
+    std::string text = words(tip_w_mm, at);
+    if (!feed && text == last_line_) return;
+    add(std::string(frame_.line) + text + std::string(frame_.line_end) +
         (feed ? " F" + fixed(*feed, dialect_.text.function_in_every_block ? 0 : 1) : "") + "\n");
+    last_line_ = std::move(text);
   }
 
   std::string take() { return std::move(text_); }
@@ -141,7 +145,7 @@ class Writer {
   const PieceProgramStyle& style_;
   const Dialect& dialect_;
   Frame frame_;
-  std::string text_;
+  std::string text_, last_line_;
   std::size_t number_ = 0;
 };
 

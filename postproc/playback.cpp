@@ -213,10 +213,12 @@ PlaybackResult play_back(const OpenProgram& original, const OpenProgram& correct
     if (meant && how.scan.follow_time) time_s += meant->seconds;
     if (sent_line + 1 == correction.header_line) next_sent();
     pieces.clear();
+    bool takes_up = false;
     if (const auto piece = next_sent()) pieces.push_back(*piece);
     if (insertion != correction.inserted.end() && insertion->line == number) {
       for (std::uint32_t i = 0; i < insertion->count; ++i)
         if (const auto piece = next_sent()) pieces.push_back(*piece);
+      takes_up = insertion->takes_up;
       ++insertion;
     }
     if (meant.has_value() == pieces.empty())
@@ -224,11 +226,13 @@ PlaybackResult play_back(const OpenProgram& original, const OpenProgram& correct
     if (!meant) continue;
     ++result.moves;
     const KinematicChain* chain = &machine.chain();
-    const double n = static_cast<double>(pieces.size());
+    const double first = takes_up ? 1 : 0, n = static_cast<double>(pieces.size()) - first;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const bool on_the_spot = takes_up && k == 0;
       for (const double s : {0.5, 1.0}) {
-        if (s < 1 && (!meant->feed || !meant->begins_known())) continue;
-        const Commanded wanted = commanded(meant->at((static_cast<double>(k) + s) / n, chain), *meant, time_s);
+        if (s < 1 && (on_the_spot || !meant->feed || !meant->begins_known())) continue;
+        const double part = on_the_spot ? 0 : (static_cast<double>(k) - first + s) / n;
+        const Commanded wanted = commanded(meant->at(part, chain), *meant, time_s);
         const Commanded sent = commanded(pieces[k].at(s, chain), *meant, time_s);
         const PlayedMachine::Tool aim = machine.meant(wanted, meant->tcp),
                                   uncorrected = machine.held(wanted, meant->tcp),

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "model/effects/location_errors.h"
 #include "model/effects/rotary_error_map.h"
+#include "support/noise.h"
 #include "testpiece/pieces.h"
 
 namespace trunnion {
@@ -73,6 +76,47 @@ TEST(PredictionSpread, DrawsSpreadAsTheLinearPartDoesWhereThePieceIsLinear) {
   EXPECT_GT(found.heights[1].lsc_mm.sd, 0.1e-3);
   ASSERT_TRUE(found.half_angle_rad && found.axis_tilt_rad);
   EXPECT_GT(found.axis_tilt_rad->sd, 1e-6);
+}
+
+/// The same by whole predictions, each of a machine drawn from the covariance: what the draws must agree with, for the
+/// roundness about every circle, which is linear in nothing.
+TEST(PredictionSpread, OfEveryRoundnessIsThatOfWholePredictionsOfDrawnMachines) {
+  constexpr int kMachines = 1000;
+  constexpr double kAgreement = 0.12;  // five standard errors of a standard deviation from 1000 draws
+  Cut cut;
+  cut.piece.points = 72;
+  cut.surface = evaluated_surface(cut.piece);
+  const Model model = uncertain_locations();
+  const EffectPtr effect = model.effects[0];
+  const PredictionSpread found = DeviationSpread(cut.piece, cut.surface, cut.path, cut.chain, model)
+                                     .around(cut.deviation(model), {.draws = 4000, .seed = 5});
+  // The covariance is diagonal but for one pair; its root by hand.
+  const Eigen::MatrixXd covariance = effect->covariance();
+  Eigen::MatrixXd root = covariance.diagonal().cwiseSqrt().asDiagonal();
+  root(4, 0) = covariance(4, 0) / root(0, 0);
+  root(4, 4) = std::sqrt(covariance(4, 4) - root(4, 0) * root(4, 0));
+  testing::Noise noise(8);
+  std::array<std::vector<double>, 4> drawn;
+  for (int k = 0; k < kMachines; ++k) {
+    Eigen::VectorXd z(8);
+    for (double& v : z) v = noise.normal();
+    const Model one{.effects = {effect->with_parameters(effect->values() + root * z, {})}};
+    const HeightEvaluation at =
+        evaluate_cone(traces_of(cut.piece, cut.surface, cut.deviation(one)), cut.piece.cone.half_angle).heights[1];
+    const double circles[] = {at.lsc_mm, at.mzc_mm, at.mic_mm, at.mcc_mm};
+    for (std::size_t c = 0; c < 4; ++c) drawn[c].push_back(circles[c]);
+  }
+  const HeightSpread& height = found.heights[1];
+  const DrawnSpread* said[] = {&height.lsc_mm, &height.mzc_mm, &height.mic_mm, &height.mcc_mm};
+  for (std::size_t c = 0; c < 4; ++c) {
+    double mean = 0, square = 0;
+    for (const double v : drawn[c]) mean += v / kMachines;
+    for (const double v : drawn[c]) square += (v - mean) * (v - mean) / (kMachines - 1);
+    EXPECT_NEAR(said[c]->sd / std::sqrt(square), 1, kAgreement) << "circle " << c;
+    std::ranges::sort(drawn[c]);
+    EXPECT_NEAR(said[c]->low, drawn[c][kMachines / 40], 0.5 * said[c]->sd) << "circle " << c;
+    EXPECT_NEAR(said[c]->high, drawn[c][kMachines - 1 - kMachines / 40], 0.5 * said[c]->sd) << "circle " << c;
+  }
 }
 
 TEST(PredictionSpread, DependsOnTheSeedAndNotOnTheThreads) {
