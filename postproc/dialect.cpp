@@ -10,8 +10,6 @@
 namespace trunnion {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-
 const Dialect kDialects[] = {
     {"linuxcnc", {}, linuxcnc_scanner, false, "linuxcnc"},
     {"fanuc",

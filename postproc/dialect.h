@@ -9,6 +9,8 @@
 
 namespace trunnion {
 
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< with which a UTF-8 text may begin
+
 /// How a dialect writes what a correction adds to a program.
 struct DialectText {
   std::string_view comment_open = "(", comment_close = ")";

@@ -14,7 +14,6 @@ namespace trunnion {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 16;
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr std::size_t kHead = 512;             // the program's name and the like stand in its first chunk
 constexpr std::size_t kMostRefusals = 100000;  // told one by one
 
