@@ -336,6 +336,7 @@ ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt
     for (std::size_t j = 0; j < columns; ++j)
       errors[i * columns + j] = rotary_part(task, {a, Angle::degrees(turn_at_deg[j])}).vector();
   }
+  const Matrix6d to_tilt = joint_twist(task.chain, task.chain.tilt_index(), in_the_middle(task, {})).inverse();
   ChainFit fit;
   fit.tilt = Matrix6Xd::Zero(6, static_cast<Eigen::Index>(rows));
   const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
@@ -350,6 +351,7 @@ ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt
       for (std::size_t j = 0; j < columns; ++j)
         fit.turn.col(at(i * columns + j)) = back * (errors[i * columns + j] - fit.tilt.col(at(i)));
     }
+    fit.tilt = to_tilt * fit.tilt;
     return fit;
   }
   fit.turn = Matrix6Xd::Zero(6, at(columns));
@@ -373,6 +375,7 @@ ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt
     }
     if ((fit.turn - before).lpNorm<Eigen::Infinity>() < 1e-13) break;
   }
+  fit.tilt = to_tilt * fit.tilt;
   return fit;
 }
 

@@ -69,9 +69,10 @@ PairFit pair_fit(const CompensationTask& task, const std::vector<double>& tilt_a
 /// beside them is least; among equals, those that leave its tables least to do.
 EffectPtr followed_location(const CompensationTask& task);
 
-/// The table's error as an error of A that depends on A and one of C that depends on C (in A's frame), nearest in the
-/// volume's metric: e(A, C) = eA(A) + Ad(A) eC(C). With `turn_by_both` eC may depend on A too and nothing is left out;
-/// then eA is the mean over C. One column per A; per A and C, A outer.
+/// The table's error as an error of A that depends on A and one of C that depends on C, each in its axis' frame before
+/// its motion, nearest in the volume's metric: e(A, C) = Ad_A eA(A) + Ad_C(A) eC(C), Ad_A for where A's line stands.
+/// With `turn_by_both` eC may depend on A too and nothing is left out; then eA is the mean over C. One column per A;
+/// per A and C, A outer.
 struct ChainFit {
   Matrix6Xd tilt;
   Matrix6Xd turn;

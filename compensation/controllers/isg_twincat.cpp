@@ -76,7 +76,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
 
   std::string table = "// " + provenance(task) + "\n";
   if (!task.profile.load_ready()) table += "// DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
-  table += "// errors of the tilting axis, errors of C over both, at R's origin; mm, rad over deg\n";
+  table += "// errors of the tilting axis, errors of C over both, each where its axis stands; mm, rad over deg\n";
   // Position of the axes as constants: what A's errors are on the average, so that the maps hold the rest.
   Vector6d constant = Vector6d::Zero();
   for (const LocationError& error : location_errors(tilt_letter)) {
@@ -377,31 +377,33 @@ Controller isg_twincat() {
     numbers.push_back({std::string("axis_number_") + axis, "logical number of the axis", number, 1, 64});
     if (axis[0] != 'A') ++number;
   }
-  return {.name = "isg-twincat",
-          .title = "ISG kernel, Beckhoff TwinCAT CNC: volumetric compensation",
-          .cannot_hold =
-              "the tilt of the tool (the control moves X, Y, Z only), what depends on the sense of motion, and angular "
-              "errors of linear axes.",
-          .questions =
-              {{{"volc_sense",
-                 "Does the control take table values as errors (actual minus nominal) that it takes away, or does it "
-                 "add them?",
-                 {"values are errors", "values are added to the command"},
-                 "Load commissioning/one_peak with negate FALSE, go to the peak, switch #VOLCOMP ON and watch an "
-                 "indicator on "
-                 "the tool: EYC +20 um is an error of the table, so the tool must follow the work and go +0.02 in Y."},
-                {"volc_reference",
-                 "Are the errors of A and C taken at the axes' crossing, before the axis' own motion (ISO 230 order)?",
-                 {"yes"},
-                 "With ECA 0.0001 rad alone, X must move by -0.0001 times the distance in Y from the axes' crossing."}},
-               numbers},
-          .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
-                       Angle::degrees(5), Angle::degrees(3), Angle::degrees(2)},
-          .spacing_loss = Length::micrometres(0.05),
-          .emit = emit,
-          .play = play,
-          .loading = loading,
-          .commissioning = commissioning};
+  return {
+      .name = "isg-twincat",
+      .title = "ISG kernel, Beckhoff TwinCAT CNC: volumetric compensation",
+      .cannot_hold =
+          "the tilt of the tool (the control moves X, Y, Z only), what depends on the sense of motion, and angular "
+          "errors of linear axes.",
+      .questions =
+          {{{"volc_sense",
+             "Does the control take table values as errors (actual minus nominal) that it takes away, or does it "
+             "add them?",
+             {"values are errors", "values are added to the command"},
+             "Load commissioning/one_peak with negate FALSE, go to the peak, switch #VOLCOMP ON and watch an "
+             "indicator on "
+             "the tool: EYC +20 um is an error of the table, so the tool must follow the work and go +0.02 in Y."},
+            {"volc_reference",
+             "Are the errors of A and C taken where each axis stands (the control's own place of it, as in the machine "
+             "file), before the axis' own motion (ISO 230 order)?",
+             {"yes"},
+             "With ECA 0.0001 rad alone, X must move by -0.0001 times the distance in Y from the A axis."}},
+           numbers},
+      .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
+                   Angle::degrees(3), Angle::degrees(2)},
+      .spacing_loss = Length::micrometres(0.05),
+      .emit = emit,
+      .play = play,
+      .loading = loading,
+      .commissioning = commissioning};
 }
 
 }  // namespace trunnion

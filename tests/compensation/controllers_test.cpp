@@ -155,6 +155,19 @@ INSTANTIATE_TEST_SUITE_P(Tables, EveryController, ::testing::ValuesIn([] {
                            return name;
                          });
 
+/// Errors stand where their axis does: on a machine whose axes do not cross, tables leave as little as where they do.
+TEST_P(EveryController, LeavesAsLittleWhereTheAxesDoNotCross) {
+  Machine apart = machine;
+  apart.axes.at('A').origin_mm = {3, -40, 60};
+  apart.axes.at('C').origin_mm = {-25, 32, 80};
+  const auto left = [&](const Machine& on) {
+    const Model model = random_model(on, 54);
+    const CompensationTask task(on, model, {}, controller.questions);
+    return left_mm(controller, task, Angle::degrees(15), {1, false});
+  };
+  EXPECT_LT(left(apart), 1.25 * left(machine) + 0.05e-3);
+}
+
 TEST(IsgTables, LeaveLessThanThreeTenthsOfAMicrometre) {
   const Machine machine = confirmed_machine("isg-twincat");
   for (const Model& model : {replica_model(machine), random_model(machine, 31)})
