@@ -192,6 +192,7 @@ void ChunkWriter::remember(const Solution& solution) {
 /// the axis loses is then taken up by a piece of its own: spread over the block it would be wrong by nearly all of it
 /// on the way. A block that cannot be divided keeps its one piece.
 std::optional<Solution> ChunkWriter::taken_up(const MotionBlock& block) const {
+  if (!solver_.corrector(block).field().knows_senses()) return std::nullopt;
   if (last_ == nullptr || block.kind != BlockKind::feed || !block.from_known || block.arc() != nullptr)
     return std::nullopt;
   const Commanded& before = last_->commanded;

@@ -30,6 +30,8 @@ class ErrorField {
     bool smooth = false;  ///< so exact that the error half a milliradian off may be told by them
   };
   virtual Slopes with_slopes(const Situation& situation) const;
+  /// Whether the error of one place may differ with the senses of motion.
+  virtual bool knows_senses() const { return true; }
   /// The tilts that were measured. at() answers half a degree beyond them, for the correction's own step.
   virtual Range<Angle> tilt_range() const = 0;
 };

@@ -9,6 +9,9 @@ namespace trunnion {
 ModelField::ModelField(const Model& model, const std::map<std::string, double>& covariates, Range<Angle> stroke)
     : model_(model), range_(stroke) {
   if (const RotaryErrorMap* map = model.rotary_map()) range_ = map->surface().a_range();
+  for (const EffectPtr& effect : model.effects)
+    if (effect->is_compensated())
+      for (const std::string& column : effect->depends_on()) knows_senses_ |= column.ends_with("_dir");
   for (const auto& [name, value] : covariates) {
     if (name == "time_s") {
       time_s_ = value;

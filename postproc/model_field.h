@@ -19,6 +19,7 @@ class ModelField : public ErrorField {
   PoseError at(const Situation& situation) const override;
   PoseError exactly_at(const Situation& situation) const override;
   Slopes with_slopes(const Situation& situation) const override;
+  bool knows_senses() const override { return knows_senses_; }
   Range<Angle> tilt_range() const override { return range_; }
 
   /// Bakes the model, for programs of many blocks, if its error depends on nothing but A and C (no rotary
@@ -29,6 +30,7 @@ class ModelField : public ErrorField {
  private:
   const Model& model_;
   Range<Angle> range_;
+  bool knows_senses_ = false;
   double time_s_ = 0;
   double temperature_C_ = 20;
   std::vector<std::string> names_;

@@ -235,13 +235,13 @@ PlaybackResult play_back(const OpenProgram& original, const OpenProgram& correct
         const Commanded wanted = commanded(meant->at(part, chain), *meant, time_s);
         const Commanded sent = commanded(pieces[k].at(s, chain), *meant, time_s);
         const PlayedMachine::Tool aim = machine.meant(wanted, meant->tcp),
-                                  uncorrected = machine.held(wanted, meant->tcp),
-                                  corrected = machine.held(sent, meant->tcp);
+                                  as_programmed = machine.held(wanted, meant->tcp),
+                                  as_sent = machine.held(sent, meant->tcp);
         const PathStretch there{.line = number,
-                                .tip_before_mm = (uncorrected.tip_w_mm - aim.tip_w_mm).norm(),
-                                .tip_after_mm = (corrected.tip_w_mm - aim.tip_w_mm).norm(),
-                                .tilt_before_rad = uncorrected.axis_w.cross(aim.axis_w).norm(),
-                                .tilt_after_rad = corrected.axis_w.cross(aim.axis_w).norm()};
+                                .tip_before_mm = (as_programmed.tip_w_mm - aim.tip_w_mm).norm(),
+                                .tip_after_mm = (as_sent.tip_w_mm - aim.tip_w_mm).norm(),
+                                .tilt_before_rad = as_programmed.axis_w.cross(aim.axis_w).norm(),
+                                .tilt_after_rad = as_sent.axis_w.cross(aim.axis_w).norm()};
         before.add(there.tip_before_mm, there.tilt_before_rad, number);
         after.add(there.tip_after_mm, there.tilt_after_rad, number);
         result.along.add(there);

@@ -255,6 +255,16 @@ class Pipeline {
 
 }  // namespace
 
+OpenProgram opened(const std::string& text) {
+  return [&text] {
+    return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
+      const std::size_t taken = text.copy(buffer, size, at);
+      at += taken;
+      return taken;
+    };
+  };
+}
+
 ProgramCorrectionResult correct_program(const OpenProgram& open, const WriteBytes& write, const Corrector& with_tcp,
                                         const Corrector& without_tcp, const ProgramCorrection& how) {
   return Pipeline(open, write, how).run(with_tcp, without_tcp);

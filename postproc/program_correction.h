@@ -14,6 +14,9 @@ namespace trunnion {
 using ReadBytes = std::function<std::size_t(char* buffer, std::size_t size)>;
 /// Opens a program at its beginning, as often as asked.
 using OpenProgram = std::function<ReadBytes()>;
+
+/// The bytes of a text, opened as often as asked; `text` must outlive it.
+OpenProgram opened(const std::string& text);
 using WriteBytes = std::function<void(std::string_view)>;
 /// Told how many bytes of the input are done.
 using ReportProgress = std::function<void(std::uint64_t)>;

@@ -23,16 +23,6 @@ namespace {
 constexpr double kStep_mm = 0.1, kStep_deg = 0.1;         ///< between two positions of a program's path
 constexpr Length kRoundedWords = Length::micrometres(2);  ///< three decimals of a length, and of an angle on 0.1 m
 
-OpenProgram opened(const std::string& text) {
-  return [&text] {
-    return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
-      const std::size_t taken = text.copy(buffer, size, at);
-      at += taken;
-      return taken;
-    };
-  };
-}
-
 Range<Angle> stroke(const Machine& machine) {
   return machine.tilt().range_angle.value_or(Range<Angle>{Angle::degrees(-180), Angle::degrees(180)});
 }

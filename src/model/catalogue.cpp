@@ -30,22 +30,23 @@ const Family& family_of(const std::string& id) {
   throw ModelError("effect \"" + id + "\": no such family; the nearest is \"" + nearest_name(name, names) + "\"");
 }
 
-EffectPtr read_effect(const nlohmann::json& json, const EffectContext& context) {
-  if (!json.is_object() || !json.contains("id") || !json["id"].is_string())
+EffectPtr read_effect(const nlohmann::json& entry, const EffectContext& context) {
+  if (!entry.is_object() || !entry.contains("id") || !entry["id"].is_string())
     throw ModelError("effects: every entry needs an \"id\"");
-  const std::string id = json["id"];
+  const std::string id = entry["id"];
   const std::size_t colon = id.find(':');
-  EffectPtr effect = family_of(id).read(colon == std::string::npos ? "" : id.substr(colon + 1), json, context);
-  if (json.contains("origin")) {
+  EffectPtr effect = family_of(id).read(colon == std::string::npos ? "" : id.substr(colon + 1), entry, context);
+  if (entry.contains("origin")) {
     const std::string_view wanted = effect->origin() == Origin::machine ? "machine" : "measurement";
-    if (json["origin"] != wanted)
-      throw ModelError("effect " + id + ": origin: " + json["origin"].dump() + " found, \"" + std::string(wanted) +
+    if (entry["origin"] != wanted)
+      throw ModelError("effect " + id + ": origin: " + entry["origin"].dump() + " found, \"" + std::string(wanted) +
                        "\" is right");
   }
-  if (json.contains("suspended")) {
-    if (!json["suspended"].is_boolean())
-      throw ModelError("effect " + id + ": suspended: " + json["suspended"].dump() + " found, true or false is wanted");
-    if (json["suspended"].get<bool>()) return effect->suspended();
+  if (entry.contains("suspended")) {
+    if (!entry["suspended"].is_boolean())
+      throw ModelError("effect " + id + ": suspended: " + entry["suspended"].dump() +
+                       " found, true or false is wanted");
+    if (entry["suspended"].get<bool>()) return effect->suspended();
   }
   return effect;
 }

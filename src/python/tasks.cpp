@@ -215,17 +215,6 @@ py::array residual(const py::object& self) {
 
 // ---- correct
 
-/// The bytes of a text, opened as often as asked; `text` must outlive it.
-OpenProgram opened(const std::string& text) {
-  return [&text] {
-    return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
-      const std::size_t taken = text.copy(buffer, size, at);
-      at += taken;
-      return taken;
-    };
-  };
-}
-
 struct Correction {
   std::string program;
   json report;

@@ -3,13 +3,14 @@
 
     progress_test.py PROGRAM SOURCE_DIR OUTPUT_DIR
 """
-import os
 import pathlib
-import pty
 import re
 import shutil
 import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from terminal import seen_on_terminal  # noqa: E402
 
 # Share, rate in its unit and time left, on a line that is written over.
 COUNTED = r"\r%s: \d+ %%, [\d.e+]+ %s/s, [\d.]+ (s|min) left"
@@ -19,26 +20,6 @@ wrong = []
 def wanted(what, holds):
     if not holds:
         wrong.append(what)
-
-
-def seen_on_terminal(command, pattern):
-    """Standard error of a command on a terminal, until `pattern` is in it or the command ends."""
-    main, other = pty.openpty()
-    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=other)
-    os.close(other)
-    text = ""
-    while not re.search(pattern, text):
-        try:
-            chunk = os.read(main, 65536)
-        except OSError:
-            break
-        if not chunk:
-            break
-        text += chunk.decode()
-    child.terminate()
-    child.wait()
-    os.close(main)
-    return text
 
 
 def main():
@@ -68,11 +49,11 @@ def main():
                     COUNTED % ("(correct|play back)", "MB")),
     }
     for name, (words, pattern) in long_ones.items():
-        text = seen_on_terminal([program, *map(str, words)], pattern)
+        text = seen_on_terminal([program, *words], until=pattern)
         wanted(f"{name}: no progress on a terminal: {text[-300:]!r}", re.search(pattern, text))
     short = [*predict, "--draws", "100"]
     wanted("quick work wipes a line that it never wrote",
-           not re.search(r"\r[^\n]", seen_on_terminal([program, *short], r"wrote \S+")))
+           not re.search(r"\r[^\n]", seen_on_terminal([program, *short], until=r"wrote \S+")))
 
     quiet = subprocess.run([program, *predict, "--draws", "600", "--quiet", "--verbose"], capture_output=True, text=True, check=True)
     wanted(f"--quiet with --verbose: {quiet.stderr!r}", quiet.stderr == "")

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compensation/controller_names.h"
 #include "compensation/projection.h"
 #include "compensation/verification.h"
 #include "error.h"
@@ -144,16 +145,7 @@ TEST_P(EveryController, RefusesGarbageWithALineAndNeverCrashes) {
   EXPECT_GT(refused, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Tables, EveryController, ::testing::ValuesIn([] {
-                           std::vector<std::string> names;
-                           for (const Controller& c : controllers()) names.emplace_back(c.name);
-                           return names;
-                         }()),
-                         [](const auto& named) {
-                           std::string name = named.param;
-                           std::ranges::replace(name, '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Tables, EveryController, ::testing::ValuesIn(controller_names()), controller_label);
 
 /// Errors stand where their axis does: on a machine whose axes do not cross, tables leave as little as where they do.
 TEST_P(EveryController, LeavesAsLittleWhereTheAxesDoNotCross) {

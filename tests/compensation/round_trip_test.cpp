@@ -5,6 +5,7 @@
 #include <functional>
 #include <regex>
 
+#include "compensation/controller_names.h"
 #include "compensation/number_text.h"
 #include "compensation/verification.h"
 #include "error.h"
@@ -167,16 +168,7 @@ TEST_P(RoundTrip, BacklashIsHeldWhereTheControlKnowsTheSenseOfMotionAndNamedWher
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Tables, RoundTrip, ::testing::ValuesIn([] {
-                           std::vector<std::string> names;
-                           for (const Controller& c : controllers()) names.emplace_back(c.name);
-                           return names;
-                         }()),
-                         [](const auto& named) {
-                           std::string name = named.param;
-                           std::ranges::replace(name, '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Tables, RoundTrip, ::testing::ValuesIn(controller_names()), controller_label);
 
 /// EBC alone: FANUC has nothing for it but A, which it would turn the wrong way at most turns of C.
 TEST(LostTerms, NameTheErrorThatTheFormatCannotSay) {

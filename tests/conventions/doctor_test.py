@@ -9,12 +9,13 @@ terminal alone, and not with NO_COLOR.
 """
 import csv
 import json
-import os
 import pathlib
-import pty
 import shutil
 import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from terminal import seen_on_terminal  # noqa: E402
 
 wrong = []
 
@@ -45,25 +46,6 @@ def fill(form, out, mirror):
     text = [row if row.startswith("#") or row.startswith("A_deg") else
             row.rstrip(",") + "," + ",".join(f"{v:.1f}" for v in next(filled)) for row in rows]
     out.write_text("\n".join(text) + "\n", encoding="utf-8")
-
-
-def seen_on_terminal(program, words, environment):
-    main, other = pty.openpty()
-    child = subprocess.Popen([program, *map(str, words)], stdout=other, stderr=subprocess.DEVNULL,
-                             env={**os.environ, "TERM": "xterm", **environment})
-    os.close(other)
-    text = b""
-    while True:
-        try:
-            chunk = os.read(main, 65536)
-        except OSError:
-            break
-        if not chunk:
-            break
-        text += chunk
-    child.wait()
-    os.close(main)
-    return text
 
 
 def main():
@@ -130,8 +112,8 @@ def main():
     wanted(f"the two poses are worth {largest} um only", largest > 3)
 
     words = ["doctor", "--machine", machine]
-    wanted("no colour on a terminal", b"\x1b[" in seen_on_terminal(program, words, {"NO_COLOR": ""}))
-    wanted("colour in spite of NO_COLOR", b"\x1b[" not in seen_on_terminal(program, words, {"NO_COLOR": "1"}))
+    wanted("no colour on a terminal", "\x1b[" in seen_on_terminal([program, *words], "stdout", environment={"NO_COLOR": ""}))
+    wanted("colour in spite of NO_COLOR", "\x1b[" not in seen_on_terminal([program, *words], "stdout", environment={"NO_COLOR": "1"}))
     wanted("colour in a pipe", "\x1b[" not in run(program, *words).stdout)
 
     print("\n".join(wrong) or "doctor does what it says")

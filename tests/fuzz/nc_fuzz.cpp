@@ -28,16 +28,6 @@ class Field : public ErrorField {
   double scale_;
 };
 
-OpenProgram opened(const std::string& text) {
-  return [&text]() -> ReadBytes {
-    return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
-      const std::size_t n = text.copy(buffer, size, at);
-      at += n;
-      return n;
-    };
-  };
-}
-
 struct Beginning {
   const char* name;
   const char* head;  // all axes known

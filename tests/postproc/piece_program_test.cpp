@@ -24,16 +24,6 @@ const std::map<std::string, Rounding> kRounding = {{"linuxcnc", {0.51e-5, 0.51e-
                                                    {"fanuc", {0.51e-4, 0.51e-4}},
                                                    {"heidenhain", {0.51e-4, 0.51e-4}}};
 
-OpenProgram opened(const std::string& text) {
-  return [&text] {
-    return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
-      const std::size_t taken = text.copy(buffer, size, at);
-      at += taken;
-      return taken;
-    };
-  };
-}
-
 struct Planned {
   TestPiece piece = usual_piece(15, 10);
   KinematicChain chain{trunnion_machine()};

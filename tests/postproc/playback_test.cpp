@@ -9,15 +9,6 @@ namespace {
 
 PlaybackResult played(Shop& shop, const std::string& program, const std::string& corrected) {
   const Corrector corrector(shop.chain, shop.field, shop.settings);
-  const auto opened = [](const std::string& text) -> OpenProgram {
-    return [&text]() -> ReadBytes {
-      return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
-        const std::size_t n = text.copy(buffer, size, at);
-        at += n;
-        return n;
-      };
-    };
-  };
   return play_back(opened(program), opened(corrected), corrector, shop.how, shop.result);
 }
 

@@ -24,19 +24,9 @@ std::string to_and_fro(const std::string& head, const std::string& line, const s
   return text + tail;
 }
 
-OpenProgram reversal_text(const std::string& text) {
-  return [&text]() -> ReadBytes {
-    return [&text, at = std::size_t{0}](char* buffer, std::size_t size) mutable {
-      const std::size_t n = text.copy(buffer, size, at);
-      at += n;
-      return n;
-    };
-  };
-}
-
 PathError left_of(Shop& shop, const std::string& program, const std::string& corrected) {
   const Corrector corrector(shop.chain, shop.field, shop.settings);
-  return play_back(reversal_text(program), reversal_text(corrected), corrector, shop.how, shop.result).after;
+  return play_back(opened(program), opened(corrected), corrector, shop.how, shop.result).after;
 }
 
 struct ReversingProgram {

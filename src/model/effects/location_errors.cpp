@@ -52,9 +52,9 @@ Family location_errors_family() {
       .what = "the rotary axes stand elsewhere, or otherwise inclined, than the control believes",
       .remedy = "probing at a grid of A and C",
       .candidates = [](const CandidateScope&) { return std::vector<EffectPtr>(); },  // inside the rotary error map
-      .read = [](const std::string&, const nlohmann::json& json, const EffectContext& context) -> EffectPtr {
+      .read = [](const std::string&, const nlohmann::json& entry, const EffectContext& context) -> EffectPtr {
         auto effect = std::make_shared<LocationErrors>(context);
-        effect->read(json);
+        effect->read(entry);
         return effect;
       },
   };
