@@ -40,19 +40,17 @@ function(trunnion_write_link_graph)
   file(WRITE ${PROJECT_BINARY_DIR}/link_graph.txt "${text}")
 endfunction()
 
-# trunnion_alike(a.cpp …): files that say the same names each for its own (one controller, one dialect, one command a file) and so are compiled
-# each alone where others are compiled together (CMAKE_UNITY_BUILD).
-function(trunnion_alike)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-endfunction()
-
-# trunnion_test(NAME SOURCES a_test.cpp … [LINK …] [LABELS …]): one GoogleTest program, its cases known to ctest.
+# trunnion_test(NAME SOURCES a_test.cpp … [LINK …] [LABELS …]): one GoogleTest program, its cases known to ctest. What
+# is tested is compiled as the preset says; the cases themselves, which run once, no further than -O1.
 function(trunnion_test NAME)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINK;LABELS" ${ARGN})
   add_executable(${NAME} ${TEST_SOURCES})
   target_link_libraries(${NAME} PRIVATE trunnion_warnings ${TEST_LINK} GTest::gmock GTest::gtest_main)
   target_include_directories(${NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(${NAME} PRIVATE TRUNNION_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(CMAKE_CXX_FLAGS MATCHES "-O2")
+    target_compile_options(${NAME} PRIVATE -O1)
+  endif()
   set(labels)
   if(TEST_LABELS)
     set(labels PROPERTIES LABELS "${TEST_LABELS}")

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::int64_t kMostMantissa = 100'000'000'000'000'000;  // one digit more makes kMostDigits
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_figure(char c) { return c >= '0' && c <= '9'; }
+bool is_space(char c) { return c == ' ' || c == '\t'; }
 
 constexpr std::array<char, 200> kTwoDigits = [] {
   std::array<char, 200> digits{};
@@ -77,14 +77,14 @@ std::optional<ScannedNumber> scan_number(std::string_view text) {
     if ((decimals = digits()) < 0) return std::nullopt;
   }
   const char* after = at;  // behind the last byte that belongs to the number
-  while (at != end && is_blank(*at)) {
+  while (at != end && is_space(*at)) {
     // Controls pass over blanks inside a number.
-    while (at != end && is_blank(*at)) ++at;
+    while (at != end && is_space(*at)) ++at;
     if (at == end) break;
     if (*at == '.' && !point) {
       point = true;
       ++at;
-    } else if (!is_digit(*at)) {
+    } else if (!is_figure(*at)) {
       break;
     }
     if (whole == 0 && !point) first = at;

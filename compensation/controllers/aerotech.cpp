@@ -14,6 +14,7 @@
 // held; positions and corrections follow the encoder's sense.
 
 namespace trunnion {
+namespace aerotech_set {
 namespace {
 
 constexpr int kDecimals = 4;               // of thousandths: 0.1 nm, 1e-7 deg
@@ -350,8 +351,10 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 }
 
 }  // namespace
+}  // namespace aerotech_set
 
 Controller aerotech() {
+  using namespace aerotech_set;
   std::vector<ProfileNumber> numbers = {{"cal_tables", "most tables that the controller takes at once", 8, 1, 100}};
   double number = 1;
   for (const char* axis : {"X", "Y", "Z", "A", "B", "C"}) {

@@ -14,6 +14,7 @@
 // the parameters of tool centre point control.
 
 namespace trunnion {
+namespace fanuc_30i_set {
 namespace {
 
 using fanuc::Entry;
@@ -228,8 +229,10 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 }
 
 }  // namespace
+}  // namespace fanuc_30i_set
 
 Controller fanuc_30i() {
+  using namespace fanuc_30i_set;
   std::vector<ProfileNumber> numbers = {
       {"detection_unit_deg", "detection unit of the rotary axes", 0.0001, 1e-6, 0.01}};
   double number = 1;

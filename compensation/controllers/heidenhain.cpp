@@ -14,6 +14,7 @@
 // order.
 
 namespace trunnion {
+namespace heidenhain_set {
 namespace {
 
 using tnc::com_file;
@@ -185,8 +186,10 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 }
 
 }  // namespace
+}  // namespace heidenhain_set
 
 Controller heidenhain() {
+  using namespace heidenhain_set;
   return {
       .name = "heidenhain",
       .title = "HEIDENHAIN TNC 640, iTNC 530: axis error tables and KinematicsComp",

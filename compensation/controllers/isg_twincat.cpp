@@ -15,6 +15,7 @@
 // not turn.
 
 namespace trunnion {
+namespace isg_twincat_set {
 namespace {
 
 constexpr int kLengthDecimals = 7, kAngleDecimals = 10;
@@ -368,8 +369,10 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 }
 
 }  // namespace
+}  // namespace isg_twincat_set
 
 Controller isg_twincat() {
+  using namespace isg_twincat_set;
   std::vector<ProfileNumber> numbers = {
       {"volc_max_records", "vol_comp[i].max_records of the start-up list", 2000, 10, 1e6}};
   double number = 1;

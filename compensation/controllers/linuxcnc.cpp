@@ -10,6 +10,7 @@
 #include "linear_algebra/factors.h"
 
 namespace trunnion {
+namespace linuxcnc_set {
 namespace {
 
 constexpr double kMargin_deg = 0.25;  // the correction's own step may leave the probed tilts
@@ -237,8 +238,10 @@ Undo: take the COMP_FILE lines out and restart.
 }
 
 }  // namespace
+}  // namespace linuxcnc_set
 
 KinematicsData kinematics_data(const CompensationTask& task, Angle spacing) {
+  using namespace linuxcnc_set;
   const Machine& machine = task.machine;
   KinematicsData data;
   data.tilt_sense = machine.tilt().direction.x() < 0 ? -1 : 1;
@@ -299,6 +302,7 @@ KinematicsData kinematics_data(const CompensationTask& task, Angle spacing) {
 }
 
 Controller linuxcnc() {
+  using namespace linuxcnc_set;
   return {.name = "linuxcnc",
           .title = "LinuxCNC 2.9, a kinematics component of its own",
           .cannot_hold = "nothing of a rotary error map; what depends on two linear axes at once is held along each.",

@@ -15,6 +15,7 @@
 // (sinumerik_tables.h), beside the vectors of its transformation (sinumerik_trafo5.h).
 
 namespace trunnion {
+namespace sinumerik_840d_set {
 namespace {
 
 using sinumerik::axis_name;
@@ -208,8 +209,10 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 }
 
 }  // namespace
+}  // namespace sinumerik_840d_set
 
 Controller sinumerik_840d() {
+  using namespace sinumerik_840d_set;
   std::vector<ProfileNumber> numbers = {
       {"cec_tables", "CEC tables that the control has (array size of MD18342)", 62, 1, 200},
       {"cec_points", "nodes of one CEC table (MD18342)", 400, 3, 5000},

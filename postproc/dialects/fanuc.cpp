@@ -5,6 +5,7 @@
 #include "postproc/iso_scanner.h"
 
 namespace trunnion {
+namespace fanuc_words {
 namespace {
 
 constexpr const char* kCycle = "a canned cycle; post the program with its single moves";
@@ -318,8 +319,10 @@ class FanucScanner : public IsoScanner {
 };
 
 }  // namespace
+}  // namespace fanuc_words
 
 std::unique_ptr<ProgramScanner> fanuc_scanner(const ScanSettings& settings) {
+  using namespace fanuc_words;
   return std::make_unique<FanucScanner>(settings);
 }
 

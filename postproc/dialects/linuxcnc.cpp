@@ -2,6 +2,7 @@
 #include "postproc/iso_scanner.h"
 
 namespace trunnion {
+namespace linuxcnc_words {
 namespace {
 
 constexpr const char* kCycle = "a canned cycle; post the program with its single moves";
@@ -185,8 +186,10 @@ class LinuxcncScanner : public IsoScanner {
 };
 
 }  // namespace
+}  // namespace linuxcnc_words
 
 std::unique_ptr<ProgramScanner> linuxcnc_scanner(const ScanSettings& settings) {
+  using namespace linuxcnc_words;
   return std::make_unique<LinuxcncScanner>(settings);
 }
 

@@ -7,6 +7,7 @@
 #include "postproc/iso_scanner.h"
 
 namespace trunnion {
+namespace sinumerik_words {
 namespace {
 
 constexpr int kThroughPoint = 9001, kTangent = 9002;  // CIP and CT among the G codes
@@ -402,8 +403,10 @@ class SinumerikScanner : public IsoScanner {
 };
 
 }  // namespace
+}  // namespace sinumerik_words
 
 std::unique_ptr<ProgramScanner> sinumerik_scanner(const ScanSettings& settings) {
+  using namespace sinumerik_words;
   return std::make_unique<SinumerikScanner>(settings);
 }
 

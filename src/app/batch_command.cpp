@@ -12,6 +12,7 @@
 #include "io/output_file.h"
 
 namespace trunnion {
+namespace batch_cli {
 namespace {
 
 struct Options {
@@ -74,8 +75,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace batch_cli
 
 Command batch_command(CLI::App& program, const Talk& talk) {
+  using namespace batch_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("batch", "Many machines at once: a shell line a job, and the results merged");
   app->add_option("plan", o->plan, "Plan: machines, tables, programs, pieces (TOML)")

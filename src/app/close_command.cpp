@@ -26,6 +26,7 @@
 #include "io/provenance.h"
 
 namespace trunnion {
+namespace close_cli {
 namespace {
 
 struct Options {
@@ -235,8 +236,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace close_cli
 
 Command close_command(CLI::App& program, const Talk& talk) {
+  using namespace close_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand(
       "close", "Close the loop: residual, its cause, the extended model, error before and after");

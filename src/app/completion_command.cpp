@@ -7,6 +7,7 @@
 #include "app/command.h"
 
 namespace trunnion {
+namespace completion_cli {
 namespace {
 
 /// An option as a shell sees it.
@@ -201,8 +202,10 @@ std::string fish_script(const std::vector<ShellCommand>& commands) {
 }
 
 }  // namespace
+}  // namespace completion_cli
 
 Command completion_command(CLI::App& program, const Talk& talk) {
+  using namespace completion_cli;
   auto shell = std::make_shared<std::string>();
   CLI::App* app = program.add_subcommand("completion", "The script by which a shell completes trunnion's words");
   app->add_option("shell", *shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));

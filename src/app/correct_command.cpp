@@ -26,6 +26,7 @@
 #include "postproc/program_correction.h"
 
 namespace trunnion {
+namespace correct_cli {
 namespace {
 
 constexpr double kWorthBaking_bytes = 1e6;  // a bake costs less than correcting this without
@@ -168,8 +169,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace correct_cli
 
 Command correct_command(CLI::App& program, const Talk& talk) {
+  using namespace correct_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("correct", "An NC program with corrected positions and orientations");
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");

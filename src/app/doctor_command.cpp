@@ -24,6 +24,7 @@
 #include "postproc/dialect.h"
 
 namespace trunnion {
+namespace doctor_cli {
 namespace {
 
 struct Options {
@@ -239,8 +240,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace doctor_cli
 
 Command doctor_command(CLI::App& program, const Talk& talk) {
+  using namespace doctor_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand(
       "doctor", "Signs, units, zeros and frames, checked before anything is loaded on a machine");

@@ -21,6 +21,7 @@
 #include "units/nearest_name.h"
 
 namespace trunnion {
+namespace evaluate_cli {
 namespace {
 
 struct Options {
@@ -210,8 +211,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace evaluate_cli
 
 Command evaluate_command(CLI::App& program, const Talk& talk) {
+  using namespace evaluate_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("evaluate", "The deviation and the table's pose error at given positions");
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");

@@ -19,6 +19,7 @@
 #include "units/number_text.h"
 
 namespace trunnion {
+namespace history_cli {
 namespace {
 
 struct Options {
@@ -249,14 +250,17 @@ void add_serial(CLI::App* app, Options& o) {
 }
 
 }  // namespace
+}  // namespace history_cli
 
 Command history_command(CLI::App& program, const Talk& talk) {
+  using namespace history_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("history", "Calibrations kept over time: list, compare, trend, drift");
   app->require_subcommand(1);
   auto run = std::make_shared<Run>();
   const auto chosen = [run](CLI::App* sub, int (*act)(const Options&, const Talk&), std::shared_ptr<Options> options,
                             const Talk& to) {
+  using namespace history_cli;
     sub->callback([=, &to] { *run = [=, &to] { return act(*options, to); }; });
   };
 

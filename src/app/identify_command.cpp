@@ -22,6 +22,7 @@
 #include "io/output_file.h"
 
 namespace trunnion {
+namespace identify_cli {
 namespace {
 
 struct Options {
@@ -190,8 +191,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace identify_cli
 
 Command identify_command(CLI::App& program, const Talk& talk) {
+  using namespace identify_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("identify", "Error maps with standard uncertainties from measurements");
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");

@@ -20,6 +20,7 @@
 #include "planning/power.h"
 
 namespace trunnion {
+namespace plan_cli {
 namespace {
 
 static_assert(ProbeMoves().standoff_mm <= kLargestStandoff_mm);
@@ -185,8 +186,10 @@ int import_log(const ImportOptions& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace plan_cli
 
 Command plan_command(CLI::App& program, const Talk& talk) {
+  using namespace plan_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("plan", "Where to probe next, what it will tell, and the probing program");
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
@@ -252,6 +255,7 @@ Command plan_command(CLI::App& program, const Talk& talk) {
 }
 
 Command import_command(CLI::App& program, const Talk& talk) {
+  using namespace plan_cli;
   auto o = std::make_shared<ImportOptions>();
   CLI::App* app = program.add_subcommand("import", "Readings from what a control wrote");
   CLI::App* log = app->add_subcommand("probe-log", "The log of a probing program of `plan --nc linuxcnc`");

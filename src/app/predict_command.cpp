@@ -25,6 +25,7 @@
 #include "testpiece/plots.h"
 
 namespace trunnion {
+namespace predict_cli {
 namespace {
 
 constexpr int kViewHeights = 21;
@@ -284,8 +285,10 @@ class Prediction {
 };
 
 }  // namespace
+}  // namespace predict_cli
 
 Command predict_command(CLI::App& program, const Talk& talk) {
+  using namespace predict_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand(
       "predict", "What a coordinate measuring machine will find on a cone frustum cut on this machine");

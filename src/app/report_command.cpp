@@ -20,6 +20,7 @@
 #include "report/page.h"
 
 namespace trunnion {
+namespace report_cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -157,8 +158,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace report_cli
 
 Command report_command(CLI::App& program, const Talk& talk) {
+  using namespace report_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("report", "One self-contained page from what the other commands wrote");
   app->add_option("folders", o->folders, "Folders of results (those within them too), or single result files")

@@ -17,6 +17,7 @@
 #include "io/text_file.h"
 
 namespace trunnion {
+namespace tables_cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,8 +116,10 @@ int run(const Options& o, const Talk& talk) {
 }
 
 }  // namespace
+}  // namespace tables_cli
 
 Command tables_command(CLI::App& program, const Talk& talk) {
+  using namespace tables_cli;
   auto o = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand("tables", "The controller's compensation files, read back and verified");
   app->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
