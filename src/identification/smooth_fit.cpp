@@ -120,6 +120,10 @@ struct Evaluation {
 
 enum class Inverse { diagonal, full };
 
+/// An unknown that no reading in use sees stays at zero, and two that are alike share; each in its own scale, for an
+/// encoder's zero and a backlash differ by twelve orders of magnitude.
+double unseen_precision(double precision) { return precision > 0 ? 1e-12 * precision : 1; }
+
 Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, const double noise[2], Inverse wanted) {
   Evaluation e;
   Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(system.size, system.size);
@@ -143,10 +147,7 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
     value += 0.5 * w * system.square[c] + system.count[c] * std::log(noise[c]);
   }
   if (system.extra_precision.size() > 0) joint.diagonal().tail(system.extra_precision.size()) += system.extra_precision;
-  // An unknown that no reading in use sees stays at zero, and two that are alike share; each in its own scale, for an
-  // encoder's zero and a backlash differ by twelve orders of magnitude.
-  for (Eigen::Index k = system.coefficients; k < system.size; ++k)
-    joint(k, k) += joint(k, k) > 0 ? 1e-12 * joint(k, k) : 1;
+  for (Eigen::Index k = system.coefficients; k < system.size; ++k) joint(k, k) += unseen_precision(joint(k, k));
   const Cholesky factor(joint);
   if (!factor.definite()) return e;
   e.solution = factor.solve(rhs);
@@ -154,13 +155,42 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
     e.inverse = factor.inverse();
     e.variance = e.inverse.diagonal();
   } else {
-    // (L L')^-1 has the squared column norms of L^-1 on its diagonal.
-    const Eigen::MatrixXd root = factor.half_solve(Eigen::MatrixXd::Identity(system.size, system.size));
-    e.variance = root.colwise().squaredNorm().transpose();
+    e.variance = factor.inverse_diagonal();
   }
   value += factor.half_log_determinant() - 0.5 * rhs.dot(e.solution);
   e.negative_log = value;
   return e;
+}
+
+/// The system with all but the map's coefficients eliminated, as it stands whatever the prior is; the noise is as
+/// declared.
+System map_alone(const System& system) {
+  const auto m = system.coefficients, others = system.size - m;
+  System map{.coefficients = m, .size = m};
+  map.normal[0] = Eigen::MatrixXd::Zero(system.size, system.size);
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(system.size);
+  for (int c = 0; c < 2; ++c) {
+    if (system.count[c] == 0) continue;
+    map.normal[0] += system.normal[c];
+    rhs += system.rhs[c];
+    map.square[0] += system.square[c];
+    map.count[0] += system.count[c];
+  }
+  map.rhs[0] = rhs.head(m);
+  if (others == 0) return map;
+  Eigen::MatrixXd among = map.normal[0].bottomRightCorner(others, others);
+  if (system.extra_precision.size() > 0) among.diagonal().tail(system.extra_precision.size()) += system.extra_precision;
+  for (Eigen::Index k = 0; k < others; ++k) among(k, k) += unseen_precision(among(k, k));
+  const Cholesky factor(among);
+  const Eigen::MatrixXd shared = factor.half_solve(map.normal[0].bottomLeftCorner(others, m));
+  const Eigen::VectorXd of_others = factor.half_solve(rhs.tail(others));
+  map.normal[0].conservativeResize(m, m);
+  map.normal[0].noalias() -= shared.transpose() * shared;
+  map.rhs[0] -= shared.transpose() * of_others;
+  // evaluate() halves the square: what the others add to minus the log density is carried there.
+  map.square[0] += factor.definite() ? 2 * factor.half_log_determinant() - of_others.squaredNorm()
+                                     : std::numeric_limits<double>::infinity();
+  return map;
 }
 
 /// Whitened rows [map coefficients | unknowns | extra columns]; the basis at one indexed position serves all its
@@ -368,6 +398,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     hyper.log_variances(hyper.pack(fit.prior), log_variance, derivative);
   } else {
     const Eigen::Index base = hyper.size();
+    const System searched = options.free_noise ? system : map_alone(system);
     const auto objective = [&](const Eigen::VectorXd& h) {
       ValueAndGradient result;
       result.gradient = Eigen::VectorXd::Zero(h.size());
@@ -376,7 +407,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
         for (int c = 0; c < 2; ++c) scale[c] = std::exp(h[base + c]);
       hyper.log_variances(h.head(base), log_variance, derivative);
       const Evaluation e =
-          evaluate(system, log_variance, scale, options.free_noise ? Inverse::full : Inverse::diagonal);
+          evaluate(searched, log_variance, scale, options.free_noise ? Inverse::full : Inverse::diagonal);
       result.value = e.negative_log;
       if (!std::isfinite(e.negative_log)) return result;
       const Eigen::VectorXd by_variance =

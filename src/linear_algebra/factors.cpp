@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <algorithm>
 
 namespace trunnion {
 
@@ -26,7 +27,36 @@ Cholesky::Cholesky(const Ref<const MatrixXd>& a) {
   lower_ = factor.matrixL();
 }
 
-MatrixXd Cholesky::inverse() const { return solve_matrix(MatrixXd::Identity(lower_.rows(), lower_.rows())); }
+namespace {
+constexpr Eigen::Index kBlock = 32;  // columns at once, where a triangle's zeros are passed over
+}
+
+MatrixXd Cholesky::lower_inverse() const {
+  const Eigen::Index n = lower_.rows();
+  MatrixXd x = MatrixXd::Zero(n, n);
+  for (Eigen::Index j = 0; j < n; j += kBlock) {
+    const Eigen::Index wide = std::min(kBlock, n - j), below = n - j;
+    auto columns = x.block(j, j, below, wide);
+    columns.setIdentity();
+    lower_.bottomRightCorner(below, below).triangularView<Eigen::Lower>().solveInPlace(columns);
+  }
+  return x;
+}
+
+MatrixXd Cholesky::inverse() const {
+  const Eigen::Index n = lower_.rows();
+  const MatrixXd x = lower_inverse();  // A^-1 = X^T X, and row k of X ends at column k
+  MatrixXd inverse(n, n);
+  for (Eigen::Index i = 0; i < n; i += kBlock) {
+    const Eigen::Index wide = std::min(kBlock, n - i), below = n - i;
+    inverse.block(i, 0, wide, i + wide).noalias() =
+        x.block(i, i, below, wide).transpose() * x.block(i, 0, below, i + wide);
+  }
+  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
+  return inverse;
+}
+
+VectorXd Cholesky::inverse_diagonal() const { return lower_inverse().colwise().squaredNorm().transpose(); }
 
 VectorXd Cholesky::solve_vector(const Ref<const VectorXd>& b) const {
   VectorXd x = half_solve_vector(b);

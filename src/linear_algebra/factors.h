@@ -49,10 +49,12 @@ class Cholesky : public Solves<Cholesky> {
       return half_solve_matrix(b);
   }
   Eigen::MatrixXd inverse() const;
+  Eigen::VectorXd inverse_diagonal() const;  ///< of A^-1, at a third of its cost
   Eigen::VectorXd solve_vector(const Eigen::Ref<const Eigen::VectorXd>& b) const;
   Eigen::MatrixXd solve_matrix(const Eigen::Ref<const Eigen::MatrixXd>& b) const;
 
  private:
+  Eigen::MatrixXd lower_inverse() const;
   Eigen::VectorXd half_solve_vector(const Eigen::Ref<const Eigen::VectorXd>& b) const;
   Eigen::MatrixXd half_solve_matrix(const Eigen::Ref<const Eigen::MatrixXd>& b) const;
 
