@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -142,7 +143,7 @@ class PlainIsoPlayer : public PlainPlayer {
 
  private:
   void code(double g) {
-    const int n = static_cast<int>(std::lround(10 * g));
+    const int n = code_number(10 * g + 0.5);
     if (n == 0 || n == 10 || n == 20 || n == 30) motion_ = n / 10;
     if (n == 40) used_ = fanuc_ || siemens_;
     if (n == 170) plane_ = {0, 1, 2};
@@ -218,7 +219,7 @@ class PlainIsoPlayer : public PlainPlayer {
     if (inside.find_first_not_of(' ') == std::string::npos) return leave_plane();
     value.resize(20);
     Matrix3d rotation = Matrix3d::Identity();
-    const int mode = static_cast<int>(value[3]);
+    const int mode = std::max(0, code_number(value[3]));
     for (int i = 0; i < 3; ++i)
       if (const int about = (mode >> (2 * i)) & 3; about != 0)
         rotation =
@@ -240,7 +241,7 @@ class PlainIsoPlayer : public PlainPlayer {
 
   void offset(int n) {
     if (fanuc_ && (n == 540 || n == 541) && words_.holds("P"))
-      return select("G54.1P" + std::to_string(static_cast<int>(words_.of("P"))));
+      return select("G54.1P" + std::to_string(code_number(words_.of("P"))));
     select("G" + std::to_string(n / 10) + (n % 10 != 0 ? "." + std::to_string(n % 10) : ""));
   }
 

@@ -47,7 +47,7 @@ struct KlartextWords {
           std::from_chars(number.data(), number.data() + number.size(), parsed, std::chars_format::fixed);
       if (number.empty() || error != std::errc() || end != number.data() + number.size()) continue;
       if (name == "M")
-        m.push_back(static_cast<int>(parsed));
+        m.push_back(code_number(parsed));
       else
         value[name] = parsed;
     }

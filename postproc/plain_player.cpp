@@ -110,6 +110,8 @@ std::array<double, 2> descended_to_axis(const ScanSettings& settings, const Vect
   return best;
 }
 
+int code_number(double value) { return value >= 0 && value < 1e6 ? static_cast<int>(value) : -1; }
+
 std::unique_ptr<PlainPlayer> plain_player(const std::string& dialect, const ScanSettings& settings) {
   return dialect == "heidenhain" ? plain_klartext_player(settings) : plain_iso_player(dialect, settings);
 }

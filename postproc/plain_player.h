@@ -43,6 +43,9 @@ class PlainPlayer {
   virtual std::optional<PlayedMove> play(const std::string& line) = 0;
 };
 
+/// The whole part of a number that tells a code or a choice; -1 where it is beyond all of them.
+int code_number(double value);
+
 std::unique_ptr<PlainPlayer> plain_player(const std::string& dialect, const ScanSettings& settings);
 std::unique_ptr<PlainPlayer> plain_iso_player(const std::string& dialect, const ScanSettings& settings);
 std::unique_ptr<PlainPlayer> plain_klartext_player(const ScanSettings& settings);
