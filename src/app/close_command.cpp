@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/error_text.h"
 #include "app/map_change.h"
+#include "app/next_measurement.h"
 #include "app/piece_closure.h"
 #include "app/piece_outlook.h"
 #include "app/progress.h"
@@ -80,7 +81,7 @@ std::string verdict_sentence(const ClosureResult& r) {
          "declared " + formatted("%.3f um", r.noise_um);
 }
 
-std::string summary(const ClosureResult& r, char tilt) {
+std::string summary(const ClosureResult& r, const std::vector<NextMeasurement>& next, char tilt) {
   std::string text = "Verdict: " + wrapped(verdict_sentence(r), 9) + ".\n";
   text += std::to_string(r.problem.readings.size()) + " readings at " + std::to_string(r.problem.poses.size()) +
           " poses, " + std::to_string(r.columns_scanned) + " columns of candidates scanned, declared sigma " +
@@ -123,6 +124,8 @@ std::string summary(const ClosureResult& r, char tilt) {
               "\n  to separate: " + e.separate_by + "\n";
     else if (e.rigid_within_poses)
       text += "  rigid within each pose: either this, or more complex rotary maps; to be sure: " + e.separate_by + "\n";
+    for (const NextMeasurement& n : next)
+      if (n.effect == e.effect->id()) text += n.text();
     if (e.absurd)
       text += "  its size is not credible for a sound machine: look for a mistake in the measurement first\n";
   }
@@ -175,6 +178,7 @@ int run(const Options& o, const Talk& talk) {
   std::size_t calibration_rows = all.rows.size();
   if (!o.verification.empty()) all = joined(all, readings(o.verification, "verification"));
   const std::size_t piece_rows = all.rows.size();
+  const ObservationSet touched = all;
   std::optional<PieceClosure> piece;
   if (!o.piece.piece.empty()) {
     piece.emplace(o.piece, machine, inputs);
@@ -190,7 +194,12 @@ int run(const Options& o, const Talk& talk) {
     const Progress progress(talk, "search " + std::to_string(all.rows.size()) + " readings");
     result = close_loop(all, calibration_rows, machine);
   }
+  const std::vector<NextMeasurement> next =
+      next_measurements(result, result.thinned && !piece ? *result.thinned : touched, machine);
   nlohmann::json closure = closure_json(result);
+  for (nlohmann::json& entry : closure["effects"])
+    for (const NextMeasurement& n : next)
+      if (n.effect == entry["id"]) entry["separate_rows"] = n.json();
   if (piece) closure["piece"] = piece->json(result, piece_rows);
   closure["machine"] = {{"name", machine.name}, {"serial", machine.serial}};
   std::vector<CornerChange> changes;
@@ -227,8 +236,9 @@ int run(const Options& o, const Talk& talk) {
   folder.add("model.json", model_text(result.model));
   folder.add("residuals.csv", residual_csv(result, machine.tilt_letter()));
   if (piece) folder.add("piece.csv", piece->csv(result, piece_rows));
+  for (const NextMeasurement& n : next) folder.add(n.file, n.rows);
   folder.commit();
-  talk.show(summary(result, machine.tilt_letter()) + (changes.empty() ? "" : corner_text(changes)) +
+  talk.show(summary(result, next, machine.tilt_letter()) + (changes.empty() ? "" : corner_text(changes)) +
             (piece ? piece_text(closure["piece"]) : "") + outlook);
   if (talk.json) std::printf("%s\n", closure.dump(1).c_str());
   talk.say("wrote " + o.output + "/closure.json, model.json, residuals.csv");
@@ -279,7 +289,8 @@ Command close_command(CLI::App& program, const Talk& talk) {
                   "A test piece that is to be cut (TOML): its roundness by the maps alone and with what was found")
       ->type_name("P.toml")
       ->group("Piece");
-  app->add_option("-o,--output", o->output, "Folder for closure.json, model.json, residuals.csv and piece.csv")
+  app->add_option("-o,--output", o->output,
+                  "Folder for closure.json, model.json, residuals.csv, piece.csv and next.csv")
       ->required()
       ->type_name("DIR")
       ->group("Output");

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -23,6 +24,8 @@ namespace trunnion {
 namespace plan_cli {
 namespace {
 
+constexpr std::size_t kFewestTouches = 6;  // six errors of a pose
+
 static_assert(ProbeMoves().standoff_mm <= kLargestStandoff_mm);
 
 struct Options {
@@ -30,6 +33,7 @@ struct Options {
   std::vector<std::string> separate;
   std::size_t visits = 6, touches = 12;
   double touch_s = 7, pose_s = 6;
+  double minutes = std::numeric_limits<double>::infinity();
   ProbeMoves moves;
 };
 
@@ -96,6 +100,23 @@ std::vector<Spot> read_spots(const std::string& path) {
   return spots;
 }
 
+double duration_min(const ObservationSet& set) { return set.rows.back().time_s / 60; }
+
+/// A first calibration within the time: as many touches at a position as that allows. Throws UsageError where even the
+/// fewest take longer.
+std::vector<Visit> first_plan_in_time(const Machine& machine, const std::vector<Spot>& spots, PlanOptions pace,
+                                      double minutes) {
+  for (;; --pace.touches) {
+    std::vector<Visit> visits = first_plan(machine, spots, pace);
+    if (visits.empty()) return visits;
+    const double takes = duration_min(planned_observations(machine, spots, visits, pace, "first plan"));
+    if (takes <= minutes) return visits;
+    if (pace.touches <= kFewestTouches)
+      throw UsageError("--minutes " + formatted("%g", minutes) + ": a first calibration with " +
+                       std::to_string(kFewestTouches) + " touches at a position takes " + formatted("%.0f", takes));
+  }
+}
+
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
   const KinematicChain chain(machine);
@@ -122,7 +143,7 @@ int run(const Options& o, const Talk& talk) {
   }
   std::vector<Visit> visits;
   if (o.observations.empty()) {
-    visits = first_plan(machine, spots, pace);
+    visits = first_plan_in_time(machine, spots, pace, o.minutes);
     if (visits.empty())
       throw RangeError(o.spots.empty()
                            ? "plan: the columns of 100 mm that it takes for granted are beyond the strokes of this "
@@ -137,7 +158,10 @@ int run(const Options& o, const Talk& talk) {
   if (!o.separate.empty()) {
     if (o.separate.size() > 2) throw UsageError("--separate: one effect, or two with a comma between");
     const Progress progress(talk, "plan");
-    power = plan_for_power(so_far, machine, spots, {o.separate}, {o.visits, pace});
+    const double spent_min = o.observations.empty() ? duration_min(so_far) : 0;
+    power = plan_for_power(so_far, machine, spots, {o.separate}, {o.visits, 60 * (o.minutes - spent_min), pace});
+    if (power.visits.empty() && !o.observations.empty())
+      throw UsageError("--minutes " + formatted("%g", o.minutes) + ": no further visit is that short");
     visits.insert(visits.end(), power.visits.begin(), power.visits.end());
     if (o.observations.empty()) {
       set = planned_observations(machine, spots, visits, pace, "plan");
@@ -223,6 +247,10 @@ Command plan_command(CLI::App& program, const Talk& talk) {
   app->add_option("--pose-s", o->pose_s, "What a change of position takes, s")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str()
+      ->group("Plan");
+  app->add_option("--minutes", o->minutes, "What the plan may take in all, min")
+      ->check(CLI::Range(1.0, 1e5))
+      ->type_name("MIN")
       ->group("Plan");
   app->add_option("--nc", o->nc, "Also write the probing program beside it")
       ->check(CLI::IsMember({"linuxcnc"}))

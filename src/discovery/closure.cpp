@@ -18,6 +18,7 @@ constexpr std::size_t kRefined = 5;        // candidates whose shapes are moved 
 constexpr double kNearby = 1e4;            // times the level: worth a second look with shape and map at their best
 constexpr double kRicherMapGain = 5;       // log likelihood that an enlargement of the map must bring
 constexpr double kFallbackPreference = 3;  // log likelihood by which a smooth effect must beat a named one
+constexpr double kBeyondDoubt = 8;         // the same where chi-square does not speak for it: that test is a blunt one
 constexpr double kAlike = 0.5;             // correlation with a refused candidate at which others share its fate
 
 /// Families that are the base itself, or what is left where the catalogue ends.
@@ -168,7 +169,8 @@ class Search {
     std::optional<Choice> choice = named_choice();
     keep_touches_if_likelier(choice);
     if (enlarge_map(choice)) return true;
-    if (chi2_fails() && !(choice && explains(*choice))) consider_fallback(choice);
+    consider_fallback(choice);
+    if (choice && !choice->from_catalogue && enlarge_map(choice)) return true;
     if (!choice) return false;
     if (choice->from_catalogue && turned_signs_show_as_much(*choice))
       return refuse(*choice, "poses with their residuals' signs changed show as much");
@@ -221,8 +223,8 @@ class Search {
            options_.flip_level;
   }
 
-  /// The smooth fallback opens where the catalogue has nothing, or where a smooth effect brings chi-square down, a
-  /// named one does not, and it is clearly likelier.
+  /// The smooth fallback opens where the catalogue has nothing and chi-square fails, where a smooth effect brings
+  /// chi-square down, a named one does not, and it is clearly likelier, and where it is likelier beyond doubt.
   void consider_fallback(std::optional<Choice>& choice) {
     if (fallback_closed_) return;
     const std::optional<SmoothCandidate> found =
@@ -233,9 +235,10 @@ class Search {
     fallback.from_catalogue = false;
     fallback.log_likelihood = found->log_likelihood;
     fallback.family_wise = found->p_value;
-    if (choice && !(explains(fallback) && fallback.log_likelihood > choice->log_likelihood + kFallbackPreference))
-      return;
-    choice = std::move(fallback);
+    const double ahead = fallback.log_likelihood - (choice ? choice->log_likelihood : 0);
+    const bool wanted =
+        chi2_fails() && (!choice || (ahead > kFallbackPreference && !explains(*choice) && explains(fallback)));
+    if (wanted || ahead > kBeyondDoubt) choice = std::move(fallback);
   }
 
   /// The poses kept back decide: their error is looked at once, after the choice. Where they would hardly feel the

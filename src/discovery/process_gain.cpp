@@ -19,14 +19,20 @@ ProcessGain best_process_gain(const Projection& base, const Eigen::MatrixXd& z) 
     const double a = std::exp(2 * log_amplitude);
     return 0.5 * (b2 * a / (1 + a * g) - (1 + a * g).log()).sum();
   };
+  // No more than so many times what is left to explain: a place that was read is off by the very errors that are sought,
+  // and functions of it that were steep enough would explain each reading by itself.
+  constexpr double kSteepest = 30;
+  const double left = std::sqrt(base.residual_square()), size = used.norm();
+  if (!(size > 0)) return {};
+  const double most = std::min(std::log(0.2), std::log(kSteepest * left / size));
   ProcessGain best;
   double at = 0;
-  for (double log_amplitude = std::log(1e-5); log_amplitude < std::log(0.2); log_amplitude += 0.5)
+  for (double log_amplitude = std::log(1e-5); log_amplitude < most; log_amplitude += 0.5)
     if (const double gain = gain_at(log_amplitude); gain > best.gain) best.gain = gain, at = log_amplitude;
   if (best.gain <= 0) return best;
   for (double step = 0.25; step > 0.05; step /= 2)
     for (const double there : {at - step, at + step})
-      if (const double gain = gain_at(there); gain > best.gain) best.gain = gain, at = there;
+      if (const double gain = gain_at(there); there < most && gain > best.gain) best.gain = gain, at = there;
   best.amplitude = std::exp(at);
   const double a = best.amplitude * best.amplitude;
   best.explained = (b2 * a / (1 + a * g)).sum();

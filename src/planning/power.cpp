@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "discovery/candidate.h"
@@ -148,6 +149,7 @@ PowerPlan plan_for_power(const ObservationSet& so_far, const Machine& machine, c
   int repeat = 0;
   double now_s = 0;
   for (const Observation& o : so_far.rows) repeat = std::max(repeat, o.repeat), now_s = std::max(now_s, o.time_s);
+  const double last_s = now_s + options.most_s;
   const std::vector<Visit> possible = possible_visits(machine, spots, options, repeat);
   PowerPlan plan;
   ObservationSet readings = so_far;
@@ -158,10 +160,12 @@ PowerPlan plan_for_power(const ObservationSet& so_far, const Machine& machine, c
     // All that could come next stands at the same moment.
     ObservationSet next;
     std::vector<std::vector<std::size_t>> groups;
+    std::vector<bool> in_time;
     pace.start_s = now_s;
     for (const Visit& visit : possible) {
       const ObservationSet one = planned_observations(machine, spots, {visit}, pace, "plan");
       groups.emplace_back();
+      in_time.push_back(one.rows.back().time_s <= last_s);
       for (std::size_t r = 0; r < one.rows.size(); ++r) groups.back().push_back(next.rows.size() + r);
       if (next.rows.empty())
         next = one;
@@ -172,12 +176,12 @@ PowerPlan plan_for_power(const ObservationSet& so_far, const Machine& machine, c
     const Design::Known known = design.known(groups);
     if (step == 0) plan.before = design.smallest(known.information, known.norms);
     plan.after = design.smallest(known.information, known.norms);
-    if (step == options.visits) break;
+    if (step == options.visits || std::ranges::none_of(in_time, std::identity())) break;
     std::size_t best = 0;
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const double information = log_det(known.with[g], known.norms);
-      if (information > most + 1e-9) most = information, best = g;
+      if (in_time[g] && information > most + 1e-9) most = information, best = g;
     }
     const ObservationSet chosen = planned_observations(machine, spots, {possible[best]}, pace, "plan");
     now_s = chosen.rows.back().time_s;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -28,13 +29,14 @@ struct PowerPlan {
 
 struct PowerOptions {
   std::size_t visits = 6;
+  double most_s = std::numeric_limits<double>::infinity();  ///< that the visits may take together
   PlanOptions pace;
 };
 
 /// The visits after those of `so_far` that tell most about the effects: one after the other, each the best of some two
 /// hundred positions and ways to come to them, by the determinant of what is known of the parameters outside the maps'
-/// and the measurement's unknowns (field of optimal design: Fedorov 1972). Throws UsageError for an effect that no such
-/// readings can show, naming what would.
+/// and the measurement's unknowns (field of optimal design: Fedorov 1972); fewer visits where the time is up. Throws
+/// UsageError for an effect that no such readings can show, naming what would.
 PowerPlan plan_for_power(const ObservationSet& so_far, const Machine& machine, const std::vector<Spot>& spots,
                          const PowerQuestion& question, const PowerOptions& options);
 

@@ -43,9 +43,9 @@ nlohmann::json row(const ClosureCase& c, const std::string& kind, const std::str
   const std::clock_t start = std::clock();
   const ClosureOutcome outcome = close_case(c);
   const ClosureResult& r = outcome.closure;
-  nlohmann::json accepted = nlohmann::json::array(), named = nlohmann::json::array();
+  nlohmann::json accepted = nlohmann::json::array(), named = nlohmann::json::array(), visible = nlohmann::json::array();
   bool all_found = !c.effects.empty();
-  for (const AcceptedEffect& e : r.effects) accepted.push_back(e.effect->id());
+  for (const AcceptedEffect& e : r.effects) accepted.push_back(e.effect->id()), visible.push_back(e.visible_fraction);
   for (const std::string& id : c.effects) {
     named.push_back(outcome.found(id));
     all_found = all_found && outcome.found(id);
@@ -56,6 +56,7 @@ nlohmann::json row(const ClosureCase& c, const std::string& kind, const std::str
           {"visible", outcome.visible},
           {"accepted", accepted},
           {"named", named},
+          {"visible_fraction", visible},
           {"right", all_found && r.effects.size() == c.effects.size()},
           {"verdict", verdict_text(r.verdict)},
           {"residual_um", r.after.rms_um},
