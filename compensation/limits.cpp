@@ -2,9 +2,9 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "error.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -46,10 +46,9 @@ void refuse_beyond_limits(const Controller& controller, const CompensationTask& 
   const auto check = [&](const Situation& s, const char* what, double found, double limit, const char* unit,
                          const char* key) {
     if (found <= limit) return;
-    char text[256];
-    std::snprintf(text, sizeof text, "%s at %c %.3f C %.3f deg is %.4g %s, limits.%s allows %.4g", what,
-                  task.machine.tilt_letter(), s.at.a.in_degrees(), s.at.c.in_degrees(), found, unit, key, limit);
-    throw RangeError(text);
+    throw RangeError(printed("%s at %c %.3f C %.3f deg is %.4g %s, limits.%s allows %.4g", what,
+                             task.machine.tilt_letter(), s.at.a.in_degrees(), s.at.c.in_degrees(), found, unit, key,
+                             limit));
   };
   const double slope = task.profile.number("table_slope");
   const Model perfect;
@@ -67,13 +66,10 @@ void refuse_beyond_limits(const Controller& controller, const CompensationTask& 
     for (const char along : {task.machine.tilt_letter(), 'C'}) {
       const auto [output, found] = steepest(task, s, played, along);
       if (found <= slope) continue;
-      char text[256];
-      std::snprintf(
-          text, sizeof text,
+      throw RangeError(printed(
           "the tables' %c changes by %.4g %s per deg of %c at %c %.3f C %.3f deg, profile.table_slope allows %.4g",
           output, found, output < 'X' ? "deg" : "mm", along, task.machine.tilt_letter(), s.at.a.in_degrees(),
-          s.at.c.in_degrees(), slope);
-      throw RangeError(text);
+          s.at.c.in_degrees(), slope));
     }
   }
 }

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "units/number_text.h"
+
 // Inline: other parts have words of the same names, and parts side by side do not know each other.
 namespace trunnion::inline table_text {
 
-/// `value` with `decimals` digits after the point, never "-0".
-std::string fixed_text(double value, int decimals);
 /// The shortest text that reads back as `value`, never "-0".
 std::string shortest_text(double value);
 /// What reading fixed_text(value, decimals) gives.

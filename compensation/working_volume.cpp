@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "error.h"
 #include "model/effects/rotary_error_map.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -18,11 +18,7 @@ Eigen::Vector3d edges_mm(const WorkingVolume& v) {
           (v.z.high - v.z.low).in_millimetres()};
 }
 
-std::string degrees_text(Angle angle) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", angle.in_degrees());
-  return text;
-}
+std::string degrees_text(Angle angle) { return formatted("%.6g", angle.in_degrees()); }
 
 Range<Angle> tilt_range(const Machine& machine, const Model& model) {
   const std::string key = std::string(1, machine.tilt_letter()) + "_deg";

@@ -1,7 +1,6 @@
 #include "compensation/controllers/linuxcnc.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "compensation/controllers/controllers.h"
 #include "compensation/number_text.h"
@@ -122,6 +121,10 @@ std::string ini_note(const CompensationTask& task) {
   return "# " + provenance(task) + "\n# Lines to merge into the machine's INI file.\n";
 }
 
+std::string limit_lines(Range<Angle> range) {
+  return printed("MIN_LIMIT = %.6g\nMAX_LIMIT = %.6g\n", range.low.in_degrees(), range.high.in_degrees());
+}
+
 std::string joint_section(int joint, const std::string& lines) {
   return "\n[JOINT_" + std::to_string(joint) + "]\n" + lines;
 }
@@ -146,10 +149,8 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
              turn_reverses = std::abs(turn_reversal) > kNothing_rad;
   const Range<Angle> c_range = turn_range(task);
   std::string kinematics_ini = ini_note(task) + "\n[KINS]\nKINEMATICS = trunnion_kins coordinates=XYZAC\nJOINTS = 5\n";
-  char limits[128];
-  std::snprintf(limits, sizeof limits, "MIN_LIMIT = %.6g\nMAX_LIMIT = %.6g\n", task.volume.a.low.in_degrees(),
-                task.volume.a.high.in_degrees());
-  kinematics_ini += "\n[AXIS_A]\n" + std::string(limits) + joint_section(3, limits);
+  const std::string limits = limit_lines(task.volume.a);
+  kinematics_ini += "\n[AXIS_A]\n" + limits + joint_section(3, limits);
   if (tilt_reverses) {
     files.push_back(
         {"kinematics/joint_A.comp", joint_table_text(reversal_table(task.volume.a, tilt_reversal), emission)});
@@ -184,13 +185,10 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   while (turns / joint_step + 2 > static_cast<double>(kMostEntries)) joint_step *= 2;
   if (joint_step <= 30) {
     for (TableFile& file : joint_tables(task, Angle::degrees(joint_step), emission)) files.push_back(std::move(file));
-    char c_limits[128];
-    std::snprintf(c_limits, sizeof c_limits, "MIN_LIMIT = %.6g\nMAX_LIMIT = %.6g\n", c_range.low.in_degrees(),
-                  c_range.high.in_degrees());
     files.push_back({"joint_tables/joint_tables.ini",
                      ini_note(task) + "# C does not wrap in a joint table: its limits are what the table covers.\n" +
                          joint_section(3, comp_lines("joint_A.comp") + limits) +
-                         joint_section(4, comp_lines("joint_C.comp") + c_limits)});
+                         joint_section(4, comp_lines("joint_C.comp") + limit_lines(c_range))});
   }
   return files;
 }

@@ -4,10 +4,10 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "error.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -58,13 +58,9 @@ Vector6d slope(const std::array<Vector6d, 5>& f, std::size_t at) {
 }
 
 [[noreturn]] void refuse(double a_rad, double c_rad, Range<Angle> range) {
-  char text[160];
-  if (!std::isfinite(c_rad))
-    std::snprintf(text, sizeof text, "C stands at no number");
-  else
-    std::snprintf(text, sizeof text, "tilt %.6g deg lies outside the probed range %.6g .. %.6g deg",
-                  Angle::radians(a_rad).in_degrees(), range.low.in_degrees(), range.high.in_degrees());
-  throw RangeError(text);
+  if (!std::isfinite(c_rad)) throw RangeError("C stands at no number");
+  throw RangeError(printed("tilt %.6g deg lies outside the probed range %.6g .. %.6g deg",
+                           Angle::radians(a_rad).in_degrees(), range.low.in_degrees(), range.high.in_degrees()));
 }
 
 struct Worst {

@@ -1,10 +1,9 @@
 #include "errormap/error_surface.h"
 
-#include <cstdio>
-
 #include "error.h"
 #include "errormap/natural_neighbour.h"
 #include "errormap/tensor_surface.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -70,10 +69,8 @@ bool ErrorSurface::covers(Angle a) const {
 void ErrorSurface::check(Angle a) const {
   const Range<Angle> range = a_range();
   if (a >= range.low - kMargin && a <= range.high + kMargin) return;
-  char text[120];
-  std::snprintf(text, sizeof text, "tilt %.6g deg lies outside the probed range %.6g .. %.6g deg", a.in_degrees(),
-                range.low.in_degrees(), range.high.in_degrees());
-  throw RangeError(text);
+  throw RangeError(printed("tilt %.6g deg lies outside the probed range %.6g .. %.6g deg", a.in_degrees(),
+                           range.low.in_degrees(), range.high.in_degrees()));
 }
 
 std::string_view interpolation_name(Interpolation method) {

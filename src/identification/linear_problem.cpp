@@ -1,23 +1,17 @@
 #include "identification/linear_problem.h"
 
 #include <cmath>
-#include <cstdio>
 #include <unordered_map>
 
 #include "error.h"
 #include "linear_algebra/factors.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
 
 constexpr double kMislabelled_mm = 1.0;
 const double kMisdirected = std::sin(Angle::degrees(3).in_radians());
-
-std::string text(const char* format, double a, double b = 0, double c = 0) {
-  char line[200];
-  std::snprintf(line, sizeof line, format, a, b, c);
-  return line;
-}
 
 /// Collects readings while the observations are walked through.
 class Builder {
@@ -120,14 +114,14 @@ class Builder {
     if ((normal - row.direction).norm() > kMisdirected)
       throw InputError(set_.place(r),
                        "nx,ny,nz: spot " + set_.points[row.point] + " faces (" +
-                           text("%.4f, %.4f, %.4f", normal.x(), normal.y(), normal.z()) +
+                           printed("%.4f, %.4f, %.4f", normal.x(), normal.y(), normal.z()) +
                            ") at this pose; a mixed-up label, or a wrong sense of rotation in the machine file");
     Reading reading = begin(r, length_sigma(row), false);
     const double aligned = normal.dot(row.direction);
     reading.value = normal.dot(row.position_mm - nominal) / aligned;  // along the approach, from the nominal face
     if (std::abs(reading.value) > kMislabelled_mm)
       throw InputError(set_.place(r), "spot " + set_.points[row.point] +
-                                          text(" is found %.3f mm from where it should stand", reading.value) +
+                                          printed(" is found %.3f mm from where it should stand", reading.value) +
                                           "; a mixed-up label, unit or machine");
     reading.functional << normal / aligned, row.position_mm.cross(normal) / aligned;
     problem_.terms.emplace_back(spot.unknown, 1 / aligned);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <unordered_map>
 
 #include "error.h"
 #include "io/csv.h"
 #include "io/text_file.h"
 #include "units/nearest_name.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -144,10 +144,7 @@ class Parser {
     const Eigen::Vector3d vector(v[0], v[1], v[2]);
     const double length = vector.norm();
     if (!(std::abs(length - 1) <= kUnitTolerance)) {
-      char text[100];
-      std::snprintf(text, sizeof text, "%s,%s,%s: length %.4g, a unit vector is wanted", names[0], names[1], names[2],
-                    length);
-      fail(text);
+      fail(printed("%s,%s,%s: length %.4g, a unit vector is wanted", names[0], names[1], names[2], length));
     }
     return vector / length;
   }
@@ -212,9 +209,7 @@ class Parser {
         const auto q = numbers(fields, at_.quaternion, {"qw", "qx", "qy", "qz"});
         const Eigen::Quaterniond orientation(q[0], q[1], q[2], q[3]);
         if (!(std::abs(orientation.norm() - 1) <= kUnitTolerance)) {
-          char text[100];
-          std::snprintf(text, sizeof text, "qw,qx,qy,qz: length %.4g, a unit quaternion is wanted", orientation.norm());
-          fail(text);
+          fail(formatted("qw,qx,qy,qz: length %.4g, a unit quaternion is wanted", orientation.norm()));
         }
         row.orientation = orientation.normalized();
         break;

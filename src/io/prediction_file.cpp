@@ -6,6 +6,7 @@
 
 #include "io/csv.h"
 #include "testpiece/profile_filter.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -20,10 +21,8 @@ void put(json& j, const std::string& name, const DrawnSpread& spread, double uni
 }
 
 std::string fixed(double value, int width, int decimals) {
-  char text[64];
   const double least = 0.5 * std::pow(10.0, -decimals);  // what rounds to nothing has no sign
-  const int length = std::snprintf(text, sizeof text, "%*.*f", width, decimals, std::abs(value) < least ? 0.0 : value);
-  return {text, static_cast<std::size_t>(std::clamp(length, 0, 63))};
+  return printed("%*.*f", width, decimals, std::abs(value) < least ? 0.0 : value);
 }
 
 std::string padded(std::string text, std::size_t width) {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <vector>
 
 #include "error.h"
 #include "io/csv.h"
 #include "kinematics/kinematic_chain.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -18,12 +18,6 @@ constexpr std::string_view kHeader = "trunnion-probe-log";
 // touch, point, artifact, A, C, A_dir, C_dir, repeat, time, nx, ny, nz, ball radius, x, y, z of the ball's centre
 constexpr std::size_t kFields = 16;
 constexpr double kUnitLength = 1e-3;  // of an approach, as printed
-
-std::string fixed(double value, int decimals) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", decimals, std::abs(value) < 0.5 * std::pow(10, -decimals) ? 0.0 : value);
-  return text;
-}
 
 /// Writes the blocks of one program.
 class Writer {
@@ -44,7 +38,7 @@ class Writer {
     block("G21 G17 G90 G94 G40 G80");
     block("(LOGOPEN," + log_name + ")");
     block("(LOG," + std::string(kHeader) + ",1," + said(machine_.name) + "," + said(machine_.serial) + ")");
-    block("G0 Z" + fixed(safe_mm_, 4));
+    block("G0 Z" + fixed_text(safe_mm_, 4));
     const Observation* before = nullptr;
     for (const Observation& o : plan_.rows) {
       if (before == nullptr || !(before->at == o.at) || before->tilt_sense != o.tilt_sense ||
@@ -54,7 +48,7 @@ class Writer {
       before = &o;
     }
     block("(LOGCLOSE)");
-    block("G0 Z" + fixed(safe_mm_, 4));
+    block("G0 Z" + fixed_text(safe_mm_, 4));
     block("M2");
     return std::move(text_);
   }
@@ -84,17 +78,17 @@ class Writer {
                                               !(way(a, a_from) == 0 && before->tilt_sense == o.tilt_sense));
     const bool c_past = before == nullptr || (way(c, c_from) != o.turn_sense &&
                                               !(way(c, c_from) == 0 && before->turn_sense == o.turn_sense));
-    block("G0 Z" + fixed(safe_mm_, 4));
+    block("G0 Z" + fixed_text(safe_mm_, 4));
     if (a_past || c_past) {
       const double a_over = a_past ? a - o.tilt_sense * moves_.overshoot_deg : a;
       const double c_over = c_past ? c - o.turn_sense * moves_.overshoot_deg : c;
       if (const auto& stroke = machine_.tilt().range_angle;
           stroke && (a_over < stroke->low.in_degrees() || a_over > stroke->high.in_degrees()))
-        throw RefusalError("plan: " + std::string(1, tilt) + " cannot come to " + fixed(a, 3) +
-                           " deg from the other side: " + fixed(a_over, 3) + " deg is beyond its stroke");
-      block("G0 " + std::string(1, tilt) + fixed(a_over, 5) + " C" + fixed(c_over, 5));
+        throw RefusalError("plan: " + std::string(1, tilt) + " cannot come to " + fixed_text(a, 3) +
+                           " deg from the other side: " + fixed_text(a_over, 3) + " deg is beyond its stroke");
+      block("G0 " + std::string(1, tilt) + fixed_text(a_over, 5) + " C" + fixed_text(c_over, 5));
     }
-    block("G0 " + std::string(1, tilt) + fixed(a, 5) + " C" + fixed(c, 5));
+    block("G0 " + std::string(1, tilt) + fixed_text(a, 5) + " C" + fixed_text(c, 5));
   }
 
   void touch(const Observation& o) {
@@ -102,26 +96,26 @@ class Writer {
     const Eigen::Vector3d start = centre - moves_.standoff_mm * o.direction;
     const Eigen::Vector3d end = centre + moves_.overtravel_mm * o.direction;
     for (const Eigen::Vector3d* place : {&start, &end}) check(*place, o);
-    block("G0 X" + fixed(start.x(), 4) + " Y" + fixed(start.y(), 4));
-    block("G0 Z" + fixed(start.z(), 4));
-    block("G38.2 X" + fixed(end.x(), 4) + " Y" + fixed(end.y(), 4) + " Z" + fixed(end.z(), 4) + " F" +
-          fixed(moves_.feed_mm_per_min, 1));
+    block("G0 X" + fixed_text(start.x(), 4) + " Y" + fixed_text(start.y(), 4));
+    block("G0 Z" + fixed_text(start.z(), 4));
+    block("G38.2 X" + fixed_text(end.x(), 4) + " Y" + fixed_text(end.y(), 4) + " Z" + fixed_text(end.z(), 4) + " F" +
+          fixed_text(moves_.feed_mm_per_min, 1));
     block("(LOG,touch," + label(plan_.points[o.point]) + "," +
           (plan_.artifacts.empty() ? std::string() : label(plan_.artifacts[o.artifact])) + "," +
-          fixed(o.at.a.in_degrees(), 5) + "," + fixed(o.at.c.in_degrees(), 5) + "," + std::to_string(o.tilt_sense) +
-          "," + std::to_string(o.turn_sense) + "," + std::to_string(o.repeat) + "," + fixed(o.time_s, 1) + "," +
-          fixed(o.direction.x(), 9) + "," + fixed(o.direction.y(), 9) + "," + fixed(o.direction.z(), 9) + "," +
-          fixed(radius_mm_, 4) + ",#5061,#5062,#5063)");
-    block("G0 X" + fixed(start.x(), 4) + " Y" + fixed(start.y(), 4) + " Z" + fixed(start.z(), 4));
-    block("G0 Z" + fixed(safe_mm_, 4));
+          fixed_text(o.at.a.in_degrees(), 5) + "," + fixed_text(o.at.c.in_degrees(), 5) + "," +
+          std::to_string(o.tilt_sense) + "," + std::to_string(o.turn_sense) + "," + std::to_string(o.repeat) + "," +
+          fixed_text(o.time_s, 1) + "," + fixed_text(o.direction.x(), 9) + "," + fixed_text(o.direction.y(), 9) + "," +
+          fixed_text(o.direction.z(), 9) + "," + fixed_text(radius_mm_, 4) + ",#5061,#5062,#5063)");
+    block("G0 X" + fixed_text(start.x(), 4) + " Y" + fixed_text(start.y(), 4) + " Z" + fixed_text(start.z(), 4));
+    block("G0 Z" + fixed_text(safe_mm_, 4));
   }
 
   void check(const Eigen::Vector3d& place, const Observation& o) const {
     for (Eigen::Index k = 0; k < 3; ++k) {
       const auto& stroke = machine_.axes.at("XYZ"[k]).range_length;
       if (stroke && (place[k] < stroke->low.in_millimetres() || place[k] > stroke->high.in_millimetres()))
-        throw RefusalError("plan: spot " + plan_.points[o.point] + " at " + fixed(o.at.a.in_degrees(), 3) + ", " +
-                           fixed(o.at.c.in_degrees(), 3) + " deg: " + "XYZ"[k] + " " + fixed(place[k], 3) +
+        throw RefusalError("plan: spot " + plan_.points[o.point] + " at " + fixed_text(o.at.a.in_degrees(), 3) + ", " +
+                           fixed_text(o.at.c.in_degrees(), 3) + " deg: " + "XYZ"[k] + " " + fixed_text(place[k], 3) +
                            " mm is beyond its stroke");
     }
   }

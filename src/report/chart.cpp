@@ -151,7 +151,8 @@ class Drawing {
 nlohmann::json numbers(const std::vector<double>& values) {
   nlohmann::json list = nlohmann::json::array();
   for (const double value : values)
-    list.push_back(std::isfinite(value) ? nlohmann::json(std::stod(formatted("%.5g", value))) : nlohmann::json());
+    list.push_back(std::isfinite(value) ? nlohmann::json(nlohmann::json::parse(formatted("%.5g", value)).get<double>())
+                                        : nlohmann::json());
   return list;
 }
 

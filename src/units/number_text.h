@@ -1,18 +1,31 @@
 #pragma once
 
 #include <algorithm>
+#include <charconv>
+#include <clocale>
 #include <cmath>
 #include <cstdio>
 #include <string>
 
 namespace trunnion {
 
-/// printf-style, for one number; in the program's "C" locale, so with a decimal point.
-inline std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
+/// printf-style, in the "C" locale whatever the program that links this has set: with a decimal point.
+template <class... Values>
+std::string printed(const char* format, Values... values) {
+  static const locale_t c_locale = newlocale(LC_ALL_MASK, "C", nullptr);
+  const locale_t before = uselocale(c_locale);
+  std::string text(128, '\0');
+  const int length = std::snprintf(text.data(), text.size(), format, values...);
+  const auto wanted = static_cast<std::size_t>(std::max(0, length));
+  const bool cut = wanted >= text.size();
+  text.resize(wanted);
+  if (cut) std::snprintf(text.data(), wanted + 1, format, values...);
+  uselocale(before);
   return text;
 }
+
+/// The same for one number.
+inline std::string formatted(const char* format, double value) { return printed(format, value); }
 
 /// Decimals that show a standard uncertainty to its second significant digit, 0 … 6; 2 where there is none.
 inline int decimals_of(double std) {
@@ -22,8 +35,8 @@ inline int decimals_of(double std) {
 /// With that many decimals; what rounds to nothing has no sign.
 inline std::string fixed_text(double value, int decimals) {
   char text[400];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  const std::string found(text);
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr;
+  const std::string found(text, end);
   return found[0] == '-' && found.find_first_not_of("-0.") == std::string::npos ? found.substr(1) : found;
 }
 

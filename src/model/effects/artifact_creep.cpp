@@ -32,7 +32,7 @@ Formula artifact_creep(const std::string& detail, double time_constant_s, const 
 
 std::vector<EffectPtr> creeps(const CandidateScope& scope) {
   std::vector<EffectPtr> found;
-  const std::optional<Spread> time = spread(scope, "time_s");
+  const std::optional<ColumnRange> time = spread(scope, "time_s");
   if (!time) return found;
   std::vector<std::string> details = {""};
   if (scope.artifacts.size() > 1) details.insert(details.end(), scope.artifacts.begin(), scope.artifacts.end());

@@ -60,7 +60,7 @@ std::vector<EffectPtr> candidates(const CandidateScope& scope) {
         artifact_expansion(column.empty() ? "height" : column + ":height", time_constant_s, scope.context)));
   };
   for (const std::string& column : temperature_columns(scope)) add(column == kDefaultColumn ? "" : column, 0);
-  if (const std::optional<Spread> time = spread(scope, "time_s")) {
+  if (const std::optional<ColumnRange> time = spread(scope, "time_s")) {
     add("time_s", 0);
     for (const double share : {0.1, 0.4}) add("warm_up", share * time->width());
   }

@@ -28,13 +28,13 @@ double beyond_zero(const Situation& s, std::string_view column) {
   return value ? *value - zero_of_column(column) : 0;
 }
 
-std::optional<Spread> spread(const CandidateScope& scope, std::string_view column) {
+std::optional<ColumnRange> spread(const CandidateScope& scope, std::string_view column) {
   if (std::ranges::find(scope.columns, column) == scope.columns.end()) return std::nullopt;
-  std::optional<Spread> found;
+  std::optional<ColumnRange> found;
   for (const Situation& s : scope.readings) {
     const std::optional<double> value = s.covariate(column);
     if (!value) continue;
-    if (!found) found = Spread{*value, *value};
+    if (!found) found = ColumnRange{*value, *value};
     found->low = std::min(found->low, *value);
     found->high = std::max(found->high, *value);
   }

@@ -10,6 +10,7 @@
 #include "geometric_errors/symbol.h"
 #include "model/effects/families.h"
 #include "model/json_value.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 
@@ -130,14 +131,8 @@ Eigen::VectorXd read_value_table(const json& table, const std::string& name, con
 
 /// "EXA at A -30", "EXC at A -30 C 60": a value of the grid.
 std::string node_name(const ErrorGrid& grid, char tilt_letter, const std::string& symbol, std::size_t i, int j) {
-  char text[80];
-  const double a = grid.a_stations[i].in_degrees();
-  if (j < 0)
-    std::snprintf(text, sizeof text, "%s at %c %.6g", symbol.c_str(), tilt_letter, a);
-  else
-    std::snprintf(text, sizeof text, "%s at %c %.6g C %.6g", symbol.c_str(), tilt_letter, a,
-                  grid.c_stations[static_cast<std::size_t>(j)].in_degrees());
-  return text;
+  const std::string at = printed("%s at %c %.6g", symbol.c_str(), tilt_letter, grid.a_stations[i].in_degrees());
+  return j < 0 ? at : at + formatted(" C %.6g", grid.c_stations[static_cast<std::size_t>(j)].in_degrees());
 }
 
 void name_parameters(std::vector<Parameter>& parameters, const ErrorGrid& grid, char tilt_letter) {

@@ -70,7 +70,7 @@ Formula thermal_drift(const std::string& detail, double shape_s) {
 
 std::vector<EffectPtr> candidates(const CandidateScope& scope) {
   std::vector<EffectPtr> found;
-  const std::optional<Spread> time = spread(scope, "time_s");
+  const std::optional<ColumnRange> time = spread(scope, "time_s");
   if (!time) return found;
   for (const char* detail : {"", "rotation"})
     for (const double share : {0.03, 0.08, 0.2, 0.5, 1.2})
