@@ -1,32 +1,9 @@
-# `cmake --install`, the exported package (find_package(Trunnion)) and the Debian package.
+# `cmake --install` and the Debian package.
 #
 # Components: runtime is what somebody at a machine needs (program, machine files, samples, documents), development what
 # somebody needs who links the parts.
-include(CMakePackageConfigHelpers)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # a package of the program needs no tests to be built
-
-get_property(parts GLOBAL PROPERTY TRUNNION_PARTS)
-list(TRANSFORM parts PREPEND trunnion_ OUTPUT_VARIABLE part_targets)
-install(TARGETS ${part_targets} trunnion_toml EXPORT TrunnionTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
-foreach(part IN LISTS parts)
-  set(folder ${PROJECT_SOURCE_DIR}/src/${part})
-  if(NOT EXISTS ${folder})
-    set(folder ${PROJECT_SOURCE_DIR}/${part})
-  endif()
-  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trunnion COMPONENT development
-    FILES_MATCHING PATTERN "*.h")
-endforeach()
-install(FILES ${PROJECT_SOURCE_DIR}/src/error.h ${PROJECT_SOURCE_DIR}/src/loaded_module.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trunnion COMPONENT development)
-
-set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Trunnion)
-install(EXPORT TrunnionTargets NAMESPACE trunnion:: DESTINATION ${package_dir} COMPONENT development)
-configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/TrunnionConfig.cmake.in
-  ${PROJECT_BINARY_DIR}/TrunnionConfig.cmake INSTALL_DESTINATION ${package_dir})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/TrunnionConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/TrunnionConfig.cmake ${PROJECT_BINARY_DIR}/TrunnionConfigVersion.cmake
-  DESTINATION ${package_dir} COMPONENT development)
+include(cmake/Export.cmake)
 
 if(TARGET trunnion)
   install(TARGETS trunnion RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
@@ -52,7 +29,8 @@ endif()
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME trunnion)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-trunnion)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+  "python3 (>= ${TRUNNION_PYTHON_VERSION}), python3 (<< ${TRUNNION_PYTHON_NEXT}), python3-numpy")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

@@ -24,8 +24,11 @@ function(trunnion_part NAME)
     target_link_libraries(${target} ${scope} trunnion::${part})
   endforeach()
   target_link_libraries(${target} ${scope} ${PART_PUBLIC})
+  target_compile_features(${target} ${scope} cxx_std_20)
+  set(PART_OUTSIDE ${PART_PUBLIC} ${PART_PRIVATE})
   set_property(GLOBAL APPEND PROPERTY TRUNNION_PARTS ${NAME})
   set_property(GLOBAL PROPERTY TRUNNION_PART_${NAME}_LINK "${PART_LINK}")
+  set_property(GLOBAL PROPERTY TRUNNION_PART_${NAME}_OUTSIDE "${PART_OUTSIDE}")
 endfunction()
 
 # Writes <build>/link_graph.txt, one line a part: `NAME: part part …`, what trunnion_part(NAME LINK …) said.

@@ -20,7 +20,7 @@ packages_of() {
     build)
       echo g++ cmake ninja-build ccache mold python3 \
         libeigen3-dev libcgal-dev libboost-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
-        libocct-data-exchange-dev libsqlite3-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+        libocct-data-exchange-dev libsqlite3-dev pkg-config libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
       ;;
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     python) echo python3-dev pybind11-dev python3-numpy python3-pytest python3-matplotlib ;;

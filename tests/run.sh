@@ -22,6 +22,8 @@ cmake/install-dependencies.sh python ||
   echo "tests/run.sh: the packages of the Python module cannot be installed here; it is left out" >&2
 cmake/install-dependencies.sh shells ||
   echo "tests/run.sh: help2man, fish and zsh cannot be installed here; what needs them will be skipped" >&2
+cmake/install-dependencies.sh package ||
+  echo "tests/run.sh: what cpack needs cannot be installed here; the test of the packages will be skipped" >&2
 
 unset DISPLAY WAYLAND_DISPLAY
 cmake --preset test
