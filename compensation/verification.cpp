@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "compensation/limits.h"
 #include "compensation/number_text.h"
 #include "error.h"
+#include "units/number_text.h"
 
 namespace trunnion {
 namespace {
@@ -111,6 +112,23 @@ std::string commissioning_text(const CompensationTask& task, const std::vector<T
 
 }  // namespace
 
+namespace {
+
+/// Tables say for which machine they were made.
+void refuse_other_machine(const nlohmann::json& summary, const Machine& machine) {
+  const auto made_for = summary.find("machine");
+  if (made_for == summary.end() || !made_for->is_object()) return;
+  for (const auto& [key, words, wanted] :
+       {std::tuple("serial", "serial number", machine.serial), std::tuple("name", "the name", machine.name)}) {
+    const std::string found = made_for->value(key, nlohmann::json()).dump();
+    if (found != nlohmann::json(wanted).dump())
+      throw RefusalError(std::string("verification.json: the tables are of a machine with ") + words + " " + found +
+                         ", the machine file says \"" + wanted + "\"");
+  }
+}
+
+}  // namespace
+
 Spread spread(const Model& model, const KinematicChain& chain, const std::vector<Situation>& sample,
               const PlayedCompensation& played) {
   Spread total;
@@ -163,31 +181,24 @@ std::string verification_json(const Verification& v, const Machine& machine) {
 }
 
 std::string verification_text(const Verification& v, const Machine& machine) {
-  char text[1600];
   const auto row = [](const char* name, const Spread& s) {
-    char line[128];
-    std::snprintf(line, sizeof line, "%-28s %9.3f um rms %9.3f um max %9.2f urad rms\n", name, s.position_rms_mm * 1e3,
-                  s.position_max_mm * 1e3, s.orientation_rms_rad * 1e6);
-    return std::string(line);
+    return printed("%-28s %9.3f um rms %9.3f um max %9.2f urad rms\n", name, s.position_rms_mm * 1e3,
+                   s.position_max_mm * 1e3, s.orientation_rms_rad * 1e6);
   };
   std::string terms;
-  for (const LostTerm& term : v.lost_terms) {
-    char one[96];
-    std::snprintf(one, sizeof one, "%s %s %.3f",
-                  terms.empty() ? "what the format does not take, um rms each by itself:" : ",", term.term.c_str(),
-                  term.position_rms_mm * 1e3);
-    terms += one;
-  }
+  for (const LostTerm& term : v.lost_terms)
+    terms += (terms.empty() ? "what the format does not take, um rms each by itself: " : ", ") + term.term +
+             formatted(" %.3f", term.position_rms_mm * 1e3);
   if (!terms.empty()) terms += "\n";
-  std::snprintf(text, sizeof text,
-                "%s%s%slost to the format %.3f um, to the distance of nodes (%.4g deg) %.3f um, to rounding %.3f um\n%s"
-                "worst pose: %c %.3f C %.3f deg, x %.1f y %.1f z %.1f mm; %zu poses\n",
-                row("nothing compensated", v.before).c_str(), row("five axes, ideally", v.ideal).c_str(),
-                row("these tables, as played", v.tables).c_str(), v.lost_to_format_mm * 1e3, v.spacing.in_degrees(),
-                v.lost_to_spacing_mm * 1e3, v.lost_to_quantisation_mm * 1e3, terms.c_str(), machine.tilt_letter(),
-                v.worst.at.a.in_degrees(), v.worst.at.c.in_degrees(), v.worst.point_r_mm.x(), v.worst.point_r_mm.y(),
-                v.worst.point_r_mm.z(), v.poses);
-  return text;
+  return row("nothing compensated", v.before) + row("five axes, ideally", v.ideal) +
+         row("these tables, as played", v.tables) +
+         printed("lost to the format %.3f um, to the distance of nodes (%.4g deg) %.3f um, to rounding %.3f um\n",
+                 v.lost_to_format_mm * 1e3, v.spacing.in_degrees(), v.lost_to_spacing_mm * 1e3,
+                 v.lost_to_quantisation_mm * 1e3) +
+         terms +
+         printed("worst pose: %c %.3f C %.3f deg, x %.1f y %.1f z %.1f mm; %zu poses\n", machine.tilt_letter(),
+                 v.worst.at.a.in_degrees(), v.worst.at.c.in_degrees(), v.worst.point_r_mm.x(), v.worst.point_r_mm.y(),
+                 v.worst.point_r_mm.z(), v.poses);
 }
 
 TableSet make_tables(const Controller& controller, const Machine& machine, const Model& model,
@@ -241,10 +252,8 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
     if (left > worst) worst = left, v.worst = s;
   }
   if (!(v.tables.position_rms_mm <= v.before.position_rms_mm)) {
-    char text[160];
-    std::snprintf(text, sizeof text, "%s: the tables would leave %.3f um rms where %.3f um are without them",
-                  v.controller.c_str(), v.tables.position_rms_mm * 1e3, v.before.position_rms_mm * 1e3);
-    throw RefusalError(text);
+    throw RefusalError(v.controller + printed(": the tables would leave %.3f um rms where %.3f um are without them",
+                                              v.tables.position_rms_mm * 1e3, v.before.position_rms_mm * 1e3));
   }
 
   TableSet set;
@@ -276,6 +285,7 @@ std::unique_ptr<PlayedCompensation> play_tables(const std::vector<TableFile>& fi
   if (json.is_discarded() || !json.is_object() || !json.contains("controller") || !json["controller"].is_string())
     throw InputError("verification.json", "controller: missing, the name of a controller is wanted");
   const Controller& controller = controller_named(json["controller"].get<std::string>());
+  refuse_other_machine(json, machine);
   TableOptions options;
   if (const auto volume = json.find("work_volume");
       volume != json.end() && volume->contains("tool_length_mm") && (*volume)["tool_length_mm"].is_number())

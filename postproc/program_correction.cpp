@@ -1,6 +1,7 @@
 #include "postproc/program_correction.h"
 
 #include <algorithm>
+#include <cctype>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -9,6 +10,7 @@
 #include "error.h"
 #include "postproc/block.h"
 #include "postproc/dialect.h"
+#include "postproc/program_state.h"
 
 namespace trunnion {
 namespace {
@@ -17,13 +19,19 @@ constexpr std::size_t kLongestLine = std::size_t{1} << 16;
 constexpr std::size_t kHead = 512;             // the program's name and the like stand in its first chunk
 constexpr std::size_t kMostRefusals = 100000;  // told one by one
 
-std::string header_comment(const DialectText& dialect, const std::string& header) {
-  std::string text = std::string(dialect.comment_open) + std::string(kCorrectedMark) + ": ";
-  for (const char c : header) {
+/// What may stand in a comment of any dialect.
+std::string harmless(const std::string& words) {
+  std::string text;
+  for (const char c : words) {
     const bool plain = c >= 0x20 && c < 0x7f;
     text += !plain ? '?' : c == '(' ? '[' : c == ')' ? ']' : c == '%' || c == ';' ? ' ' : c;
   }
-  return text.append(dialect.comment_close);
+  return text;
+}
+
+std::string header_comment(const DialectText& dialect, const std::string& header) {
+  return std::string(dialect.comment_open) + std::string(kCorrectedMark) + ": " + harmless(header) +
+         std::string(dialect.comment_close);
 }
 
 /// A piece of the program that ends with a line.
@@ -263,6 +271,23 @@ OpenProgram opened(const std::string& text) {
       return taken;
     };
   };
+}
+
+void refuse_other_serial(std::string_view program, const std::string& serial, const std::string& name) {
+  const std::size_t mark = find_mark(program);
+  if (mark == std::string_view::npos) return;
+  std::string header(program.substr(mark, program.find_first_of(")\r\n", mark) - mark)), wanted = harmless(serial);
+  constexpr std::string_view kSerial = ", serial ";  // the last that a header says
+  // A control may have made capitals of all letters.
+  for (std::string* text : {&header, &wanted})
+    for (char& letter : *text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  const std::size_t at = header.rfind(kSerial);
+  if (at == std::string::npos || header.substr(at + kSerial.size()) == wanted) return;
+  const std::string_view before = program.substr(0, mark);
+  throw RefusalError(name + ":" + std::to_string(1 + std::count(before.begin(), before.end(), '\n')) +
+                     ": corrected for a machine with serial number \"" +
+                     std::string(program.substr(mark + at + kSerial.size(), header.size() - at - kSerial.size())) +
+                     "\", the machine file says \"" + serial + "\"");
 }
 
 ProgramCorrectionResult correct_program(const OpenProgram& open, const WriteBytes& write, const Corrector& with_tcp,

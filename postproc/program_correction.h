@@ -43,6 +43,10 @@ struct ProgramCorrectionResult {
   std::vector<Insertion> inserted;  ///< ascending; kept if `keep_insertions`
 };
 
+/// Throws RefusalError where `program` says, in the header comment of a correction, that it is for a machine of another
+/// serial number than `serial`; `name` stands for the program in the message.
+void refuse_other_serial(std::string_view program, const std::string& serial, const std::string& name);
+
 /// Writes the corrected program: chunks are scanned one after another, corrected on several threads and written in
 /// order, so that neither the result nor the memory depends on their number or the program's size. A program that needs
 /// no change is written as it is. Throws for the first block that is refused (RefusalError), out of range (RangeError)

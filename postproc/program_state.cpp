@@ -51,11 +51,13 @@ void refuse_corrected() {
   throw LineRefused{"this program has been corrected already; correct the original", Refusal::Kind::for_good};
 }
 
-bool contains_mark(std::string_view comment) {
+std::size_t find_mark(std::string_view text) {
   const auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
-  return std::search(comment.begin(), comment.end(), kCorrectedMark.begin(), kCorrectedMark.end(), same) !=
-         comment.end();
+  const auto found = std::search(text.begin(), text.end(), kCorrectedMark.begin(), kCorrectedMark.end(), same);
+  return found == text.end() ? std::string_view::npos : static_cast<std::size_t>(found - text.begin());
 }
+
+bool contains_mark(std::string_view comment) { return find_mark(comment) != std::string_view::npos; }
 
 void Move::clear() {
   kind = Kind::rapid;

@@ -31,6 +31,8 @@ struct LineRefused {
 /// Behind the reason of a lasting refusal that is passed over.
 inline constexpr const char* kCopiedToEnd = "; from here on the program is copied";
 
+/// Where a text says that a program was corrected; npos: nowhere.
+std::size_t find_mark(std::string_view text);
 /// Whether a comment says that the program was corrected.
 bool contains_mark(std::string_view comment);
 [[noreturn]] void refuse_corrected();

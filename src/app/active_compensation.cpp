@@ -11,7 +11,6 @@ namespace trunnion {
 
 ObservationSet without_active(ObservationSet set, const std::string& path, const Machine& machine,
                               std::vector<std::string>& inputs) {
-  const KinematicChain chain(machine);
   const auto add = [&inputs](const std::string& file) {
     if (std::ranges::find(inputs, file) == inputs.end()) inputs.push_back(file);
   };
@@ -19,13 +18,21 @@ ObservationSet without_active(ObservationSet set, const std::string& path, const
     const std::vector<TableFile> files = files_in(path);
     for (const TableFile& file : files)
       if (!file.name.starts_with("commissioning/")) add((std::filesystem::path(path) / file.name).string());
-    const Model none;
-    return bare_readings(std::move(set), *play_tables(files, machine, none), chain);
+    return without_active(std::move(set), files, machine);
   }
   add(path);
-  const Model model = read_model(path, machine);
-  check_same_machine(model, machine, path);
+  return without_active(std::move(set), read_model(path, machine), machine);
+}
+
+ObservationSet without_active(ObservationSet set, const Model& model, const Machine& machine) {
+  check_same_machine(model, machine, "active");
+  const KinematicChain chain(machine);
   return bare_readings(std::move(set), PlayedModel(model, chain, machine.limits), chain);
+}
+
+ObservationSet without_active(ObservationSet set, const std::vector<TableFile>& tables, const Machine& machine) {
+  const Model none;
+  return bare_readings(std::move(set), *play_tables(tables, machine, none), KinematicChain(machine));
 }
 
 }  // namespace trunnion

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compensation/bare_readings.h"
+#include "compensation/controller.h"
 #include "kinematics/machine.h"
 
 namespace trunnion {
@@ -14,5 +15,9 @@ namespace trunnion {
 /// Throws InputError for a path that is neither.
 ObservationSet without_active(ObservationSet set, const std::string& path, const Machine& machine,
                               std::vector<std::string>& inputs);
+
+/// The same for a model, and for a set of tables, that were read already. Throw RefusalError for another machine's.
+ObservationSet without_active(ObservationSet set, const Model& model, const Machine& machine);
+ObservationSet without_active(ObservationSet set, const std::vector<TableFile>& tables, const Machine& machine);
 
 }  // namespace trunnion

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/active_compensation.h"
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/error_text.h"
 #include "app/map_change.h"
@@ -172,6 +173,8 @@ int run(const Options& o, const Talk& talk) {
   };
   if (o.observations.empty() && o.piece.piece.empty())
     throw UsageError("--observations: wanted, or --piece and --measured");
+  if (!o.active.empty())
+    for (const std::string& line : changed_compensation(o.active, machine, {o.machine})) talk.warn(line);
   ObservationSet all;
   if (!o.observations.empty()) all = readings(o.observations, "observations");
   // Without readings on the machine the piece is what is searched, else it comes later than they do.
@@ -181,7 +184,7 @@ int run(const Options& o, const Talk& talk) {
   const ObservationSet touched = all;
   std::optional<PieceClosure> piece;
   if (!o.piece.piece.empty()) {
-    piece.emplace(o.piece, machine, inputs);
+    piece.emplace(read_cut_piece(o.piece, inputs), machine);
     const ObservationSet& points = piece->observations().set;
     all = all.rows.empty() ? points : joined_with_piece(all, points);
     if (o.observations.empty()) calibration_rows = all.rows.size();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/correction_report.h"
 #include "app/program_setup.h"
@@ -100,12 +101,15 @@ int run(const Options& o, const Talk& talk) {
   const std::string model_bytes = read_text(o.model);
   const Model model = parse_model(model_bytes, o.model, machine);
   check_same_machine(model, machine, o.model);
+  for (const std::string& line : changed_inputs(model, o.model, {o.machine})) talk.warn(line);
   Job job;
   if (!o.job.empty())
     job = read_job(o.job);
   else
     talk.warn("no --job: work offsets are zero, and the program's zero is where W has its own");
 
+  if (!job.tables.empty())
+    for (const std::string& line : changed_since_verified(job.tables, {o.machine, o.model})) talk.warn(line);
   const OpenProgram program = program_source(o.input);
   const bool orientation = !o.only_position && o.orientation == "on";
   ProgramSetup setup(machine, model, std::move(job),

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/terminal.h"
 #include "conventions/machine_checks.h"
@@ -32,8 +33,21 @@ struct Options {
   double tool_length_mm = 0;
 };
 
+/// A spreadsheet may have put separators behind a comment line.
+void refuse_form_of_other_serial(const std::string& text, const std::string& path, const Machine& machine) {
+  const std::size_t at = text.find(kFormSerial);
+  if (at == std::string::npos) return;
+  const std::size_t from = at + kFormSerial.size();
+  const std::string found = text.substr(from, text.find_first_of("\r\n", from) - from);
+  if (!found.starts_with(machine.serial) ||
+      found.find_first_not_of(",;\t \"", machine.serial.size()) != std::string::npos)
+    throw RefusalError(path + ": the form is of a machine with serial number \"" + found +
+                       "\", the machine file says \"" + machine.serial + "\"");
+}
+
 std::vector<FilledStep> read_form(const std::string& path, const Machine& machine) {
   const std::string text = read_text(path);
+  refuse_form_of_other_serial(text, path, machine);
   CsvReader csv(text, path);
   const std::string tilt = std::string(1, machine.tilt_letter()) + "_deg";
   std::array<std::size_t, 5> columns{};
@@ -228,6 +242,7 @@ int run(const Options& o, const Talk& talk) {
     inputs.push_back(o.model);
     model = read_model(o.model, machine);
     check_same_machine(*model, machine, o.model);
+    for (const std::string& line : changed_inputs(*model, o.model, {o.machine})) talk.warn(line);
     add(model_checks(*model, machine));
     if (readings && usable &&
         std::ranges::none_of(readings->rows, [](const Observation& r) { return r.kind == ReadingKind::pose; }))

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/progress.h"
 #include "app/text_table.h"
@@ -127,6 +128,7 @@ int run(const Options& o, const Talk& talk) {
   if (talk.json && o.output == "-") throw UsageError("--json and -o - both write to standard output");
   const Machine machine = read_machine(o.machine);
   const Model model = read_model(o.model, machine);
+  for (const std::string& line : changed_inputs(model, o.model, {o.machine})) talk.warn(line);
   const std::string text = read_text(o.positions);
   PositionReader positions(text, o.positions, machine, model);
   const RotaryErrorMap* map = model.rotary_map();

@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/history_text.h"
 #include "app/progress.h"
@@ -67,6 +68,7 @@ int add(const Options& o, const Talk& talk) {
   const Machine machine = parse_machine(c.machine_file, o.machine);
   c.model = read_text(o.model);
   const Model model = parse_model(c.model, o.model, machine);
+  for (const std::string& line : changed_inputs(model, o.model, {o.machine})) talk.warn(line);
   c.machine = model.machine;
   c.model_sha256 = sha256_hex(c.model);
   if (model.fit && model.fit->is_object() && model.fit->contains("inputs_sha256") &&
@@ -260,7 +262,7 @@ Command history_command(CLI::App& program, const Talk& talk) {
   auto run = std::make_shared<Run>();
   const auto chosen = [run](CLI::App* sub, int (*act)(const Options&, const Talk&), std::shared_ptr<Options> options,
                             const Talk& to) {
-  using namespace history_cli;
+    using namespace history_cli;
     sub->callback([=, &to] { *run = [=, &to] { return act(*options, to); }; });
   };
 

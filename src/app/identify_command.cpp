@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "app/active_compensation.h"
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/error_text.h"
 #include "app/prior_map.h"
@@ -151,7 +152,9 @@ void warn(const IdentificationResult& r, const Talk& talk, char tilt) {
 
 EarlierMap earlier_map(const Options& o, const Machine& machine, const Talk& talk) {
   const auto told = [](double option) { return option >= 0 ? std::optional(option) : std::nullopt; };
-  PriorMap prior = prior_map(read_model(o.prior, machine), o.prior, told(o.drift_um), told(o.drift_urad));
+  const Model earlier = read_model(o.prior, machine);
+  for (const std::string& line : changed_inputs(earlier, o.prior, {o.machine})) talk.warn(line);
+  PriorMap prior = prior_map(earlier, o.prior, told(o.drift_um), told(o.drift_urad));
   for (const std::string& note : prior.notes) talk.warn(note);
   return std::move(prior.earlier);
 }
@@ -164,7 +167,10 @@ int run(const Options& o, const Talk& talk) {
   IdentificationOptions options{.robust = !o.no_robust, .fill = o.fill, .interpolation = o.interpolation};
   options.method = o.method == "two-step" ? IdentificationMethod::two_step : IdentificationMethod::joint;
   std::vector<std::string> inputs = {o.machine, o.observations};
-  if (!o.active.empty()) observations = without_active(std::move(observations), o.active, machine, inputs);
+  if (!o.active.empty()) {
+    for (const std::string& line : changed_compensation(o.active, machine, {o.machine})) talk.warn(line);
+    observations = without_active(std::move(observations), o.active, machine, inputs);
+  }
   if (!o.prior.empty()) {
     options.earlier = earlier_map(o, machine, talk);
     inputs.push_back(o.prior);

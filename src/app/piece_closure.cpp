@@ -14,22 +14,29 @@
 #include "testpiece/tool_path.h"
 
 namespace trunnion {
-PieceClosure::PieceClosure(const PieceFiles& files, const Machine& machine, std::vector<std::string>& inputs)
-    : piece_(read_piece(files.piece)), measured_(read_measured_piece(files.measured, piece_)) {
+
+CutPiece read_cut_piece(const PieceFiles& files, std::vector<std::string>& inputs) {
+  CutPiece cut{.piece = read_piece(files.piece), .name = files.piece, .program_name = files.program};
+  cut.measured = read_measured_piece(files.measured, cut.piece);
+  if (!files.job.empty()) cut.job = read_job(files.job);
+  if (!files.program.empty()) cut.program = read_text(files.program);
   for (const std::string* file : {&files.piece, &files.measured, &files.program, &files.job})
     if (!file->empty()) inputs.push_back(*file);
-  const Job job = files.job.empty() ? Job{} : read_job(files.job);
+  return cut;
+}
+
+PieceClosure::PieceClosure(CutPiece cut, const Machine& machine)
+    : piece_(std::move(cut.piece)), measured_(std::move(cut.measured)) {
   const Model nothing;
   const KinematicChain chain(machine);
-  const std::string program = files.program.empty() ? "" : read_text(files.program);
-  CuttingSetup setup{machine, nothing, piece_, chain, job};
-  setup.planned = files.program.empty();
-  if (const std::string told = dialect_of(program, machine); !setup.planned && !told.empty()) setup.dialect = told;
+  CuttingSetup setup{machine, nothing, piece_, chain, cut.job};
+  setup.planned = cut.program.empty();
+  if (const std::string told = dialect_of(cut.program, machine); !setup.planned && !told.empty()) setup.dialect = told;
   const PieceCutting cutting(setup);
   const std::vector<ToolPosition> path = setup.planned
                                              ? flank_milling_path(piece_, chain, {.steps_per_turn = kStepsPerTurn})
-                                             : cutting.path_of(program, files.program);
-  if (const auto beyond = cutting.beyond_reach(path)) throw RangeError(files.piece + ": " + *beyond);
+                                             : cutting.path_of(cut.program, cut.program_name);
+  if (const auto beyond = cutting.beyond_reach(path)) throw RangeError(cut.name + ": " + *beyond);
   observations_ = observations_of({piece_, measured_, path, chain, cutting.known()});
   // The job's covariates end here; their values stand in the readings.
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "discovery/closure.h"
+#include "io/job_file.h"
 #include "io/piece_observations.h"
 #include "kinematics/machine.h"
 
@@ -15,12 +16,24 @@ struct PieceFiles {
   std::string piece, measured, program, job;
 };
 
+/// A piece that was cut and measured, as its files tell it.
+struct CutPiece {
+  TestPiece piece;
+  MeasuredPiece measured;
+  Job job;                                               ///< work offsets and covariates of the cut
+  std::string program;                                   ///< that cut it; empty: the planned path
+  std::string name = "piece", program_name = "program";  ///< for messages
+};
+
+/// Reads the files and adds them to `inputs`. Throws InputError.
+CutPiece read_cut_piece(const PieceFiles& files, std::vector<std::string>& inputs);
+
 /// A measured piece in the search for missing effects: its points as readings, and what the search made of them.
 class PieceClosure {
  public:
-  /// Reads the files and finds the moment at which each point was cut: by the program, or the planned path. Adds what
-  /// was read to `inputs`. Throws InputError, RangeError.
-  PieceClosure(const PieceFiles& files, const Machine& machine, std::vector<std::string>& inputs);
+  /// Finds the moment at which each point was cut: by the program, or the planned path. Throws InputError, RangeError,
+  /// and RefusalError for a program that was corrected for another serial number.
+  PieceClosure(CutPiece cut, const Machine& machine);
 
   const PieceObservations& observations() const { return observations_; }
 

@@ -149,6 +149,11 @@ PieceCutting::ReadPath PieceCutting::read(const std::string& program, const std:
   return read;
 }
 
+std::vector<ToolPosition> PieceCutting::path_of(const std::string& program, const std::string& name) const {
+  refuse_other_serial(program, setup_.machine.serial, name);
+  return read(program, name).path;
+}
+
 std::string PieceCutting::planned_program(std::span<const ToolPosition> path) const {
   PieceProgramStyle style{setup_.dialect, setup_.machine.tilt_letter(), scan().control, setup_.machine.turn().modulo};
   if (const auto g54 = setup_.job.work_offsets_mm.find("G54"); g54 != setup_.job.work_offsets_mm.end())

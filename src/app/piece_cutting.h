@@ -50,10 +50,9 @@ class PieceCutting {
   std::optional<std::string> beyond_reach(std::span<const ToolPosition> path) const;
 
   /// Where a program puts the tool, read from its text; `name` stands for it in messages. Time runs by the piece's
-  /// feed. Throws InputError for one that never moves at feed with every axis known.
-  std::vector<ToolPosition> path_of(const std::string& program, const std::string& name) const {
-    return read(program, name).path;
-  }
+  /// feed. Throws InputError for one that never moves at feed with every axis known, RefusalError for one that was
+  /// corrected for another serial number.
+  std::vector<ToolPosition> path_of(const std::string& program, const std::string& name) const;
   /// The path as a program of the setup's dialect, counted from the job's G54.
   std::string planned_program(std::span<const ToolPosition> path) const;
   /// What `trunnion correct` would write.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/progress.h"
 #include "app/text_table.h"
@@ -125,6 +126,7 @@ int run(const Options& o, const Talk& talk) {
   if (!o.model.empty()) {
     const Model model = read_model(o.model, machine);
     check_same_machine(model, machine, o.model);
+    for (const std::string& line : changed_inputs(model, o.model, {o.machine})) talk.warn(line);
     inputs.push_back(o.model);
     if (const RotaryErrorMap* map = model.rotary_map())  // what was probed is what can be asked again
       pace.tilt_low = map->surface().a_range().low, pace.tilt_high = map->surface().a_range().high;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/piece_cutting.h"
 #include "app/prediction_text.h"
@@ -64,6 +65,9 @@ class Prediction {
   int run() {
     if (o_.first_order && (!o_.program.empty() || o_.corrected))
       throw UsageError("--first-order: it takes the planned path; programs are cut by the envelope");
+    for (const std::string& line : changed_inputs(model_, o_.model, {o_.machine})) talk_.warn(line);
+    if (!o_.tables.empty())
+      for (const std::string& line : changed_since_verified(o_.tables, {o_.machine, o_.model})) talk_.warn(line);
     lay_path();
     if (const auto beyond = cutting_.beyond_reach(path_)) throw RangeError(o_.piece + ": " + *beyond);
     notes_ = cutting_.unknown_moments();

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -6,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/progress.h"
 #include "compensation/verification.h"
@@ -14,6 +16,7 @@
 #include "io/model_file.h"
 #include "io/output_file.h"
 #include "io/provenance.h"
+#include "io/sha256.h"
 #include "io/text_file.h"
 
 namespace trunnion {
@@ -73,6 +76,7 @@ TableOptions table_options(const Options& o) {
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
   const Model model = read_model(o.model, machine);
+  for (const std::string& line : changed_inputs(model, o.model, {o.machine})) talk.warn(line);
   const std::string name = o.controller.empty() ? machine.controller : o.controller;
   if (name.empty()) throw UsageError("--controller: missing, and the machine file names none");
   const Controller& controller = controller_named(name);
@@ -92,9 +96,14 @@ int run(const Options& o, const Talk& talk) {
   OutputFolder folder(o.output, {o.machine, o.model});
   std::set<std::string> stale = before;
   const nlohmann::json provenance = provenance_json({o.machine, o.model});
+  nlohmann::ordered_json digests = nlohmann::ordered_json::object();
+  for (const TableFile& file : set.files)
+    if (std::ranges::find(set.verification.files, file.name) != set.verification.files.end())
+      digests[file.name] = sha256_hex(file.text);
   for (TableFile& file : set.files) {
     if (file.name == "verification.json") {
       auto summary = nlohmann::ordered_json::parse(file.text);
+      summary["files_sha256"] = digests;
       summary.update(nlohmann::ordered_json(provenance));
       file.text = summary.dump(2) + "\n";
       if (talk.json) std::fputs(file.text.c_str(), stdout);

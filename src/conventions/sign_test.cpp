@@ -103,7 +103,8 @@ std::string sign_form(const Machine& machine) {
   const KinematicChain chain(machine);
   const bool nose = chain.has_rotary(Side::tool);
   std::string text =
-      "# Sign test: at each stop, move the tool's tip by hand onto the mark and write the X Y Z that the control "
+      std::string(kFormSerial) + machine.serial +
+      "\n# Sign test: at each stop, move the tool's tip by hand onto the mark and write the X Y Z that the control "
       "shows,\n"
       "# in mm, in a work offset whose zero is R's origin. A millimetre is good enough.\n";
   if (nose)

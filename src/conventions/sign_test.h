@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "conventions/check.h"
@@ -23,6 +24,9 @@ std::vector<SignStep> sign_steps(const Machine& machine);
 /// The test as a short program. It moves the rotary axes only, one at a time, and stops at each position for a mark on
 /// the table to be touched by hand. `dialect` is linuxcnc, fanuc, sinumerik or heidenhain; plain: ISO words alone.
 std::string sign_program(const Machine& machine, const std::string& dialect);
+
+/// What stands before the machine's serial number in a comment line of the form.
+inline constexpr std::string_view kFormSerial = "# Serial number: ";
 
 /// The form beside it (CSV): a row a stop, with blanks for the machine's X Y Z at which the tool met the mark, and in
 /// its comment lines where that should be for a mark at W (70, 70, 0).

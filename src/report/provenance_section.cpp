@@ -87,8 +87,8 @@ std::string machine_name(const Evidence& evidence) {
     if (machine.empty()) continue;
     if (first == nullptr) first = &r;
     if (const std::string known = machine_text(*first->content); machine != known)
-      throw InputError(r.path, "of " + machine + ", but " + first->path + " is of " + known +
-                                   "; one page for each machine is wanted");
+      throw RefusalError(r.path + ": of " + machine + ", but " + first->path + " is of " + known +
+                         "; one page for each machine is wanted");
   }
   return first == nullptr ? "" : machine_text(*first->content);
 }

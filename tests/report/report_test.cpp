@@ -89,7 +89,7 @@ TEST(EvidencePage, IsOfOneMachine) {
   EXPECT_THAT(([] {
                 page_of({model_file("7"), model_file("8")});
               }),
-              ::testing::ThrowsMessage<InputError>(
+              ::testing::ThrowsMessage<RefusalError>(
                   HasSubstr("of Mill <1>, serial 8, but model.json is of Mill <1>, serial 7")));
 }
 
