@@ -19,4 +19,5 @@ PYBIND11_MODULE(_trunnion, module) {
       "A check that protects a machine was not passed";
   python::bind_values(module);
   python::bind_tasks(module);
+  python::bind_closure(module);
 }

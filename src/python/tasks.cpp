@@ -12,9 +12,7 @@
 #include "app/prior_map.h"
 #include "app/program_setup.h"
 #include "compensation/verification.h"
-#include "discovery/closure.h"
 #include "error.h"
-#include "io/closure_file.h"
 #include "io/identification_report.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
@@ -23,6 +21,7 @@
 #include "io/prediction_file.h"
 #include "model/effects/rotary_error_map.h"
 #include "postproc/dialect.h"
+#include "python/active.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
@@ -40,14 +39,15 @@ struct Identification {
   json summary;
 };
 
-Identification run_identify(const Machine& machine, Readings observations, const std::string& method, bool robust,
-                            bool fill, const std::string& interpolation, const Model* prior,
-                            std::optional<double> drift_um, std::optional<double> drift_urad) {
+Identification run_identify(const Machine& machine, Readings observations, const Active& active,
+                            const std::string& method, bool robust, bool fill, const std::string& interpolation,
+                            const Model* prior, std::optional<double> drift_um, std::optional<double> drift_urad) {
   if (method != "joint" && method != "two-step")
     throw UsageError("method: " + method + " found, joint or two-step is wanted");
   IdentificationOptions options{.robust = robust, .fill = fill, .interpolation = interpolation};
   options.method = method == "two-step" ? IdentificationMethod::two_step : IdentificationMethod::joint;
   if (prior != nullptr) options.earlier = prior_map(*prior, "prior", drift_um, drift_urad).earlier;
+  if (active) observations = without(active, *observations, machine);
   Identification found{observations, identify(*observations, machine, options), {}};
   found.summary = identification_json(found.result, machine, {});
   found.summary["observed"] = observed_json(*observations);
@@ -186,33 +186,6 @@ Evaluation run_evaluate(const Machine& machine, const Model& model, const Number
   return result;
 }
 
-// ---- close
-
-struct Closure {
-  std::shared_ptr<const ObservationSet> all;  ///< to which the result points
-  ClosureResult result;
-  json summary;
-};
-
-Closure run_close(const Machine& machine, const Readings& observations, const Readings& verification) {
-  const auto all =
-      std::make_shared<const ObservationSet>(verification ? joined(*observations, *verification) : *observations);
-  Closure closure{all, close_loop(*all, observations->rows.size(), machine), {}};
-  closure.summary = closure_json(closure.result);
-  closure.result.model.fit = std::make_shared<json>(json{{"method", "closure"},
-                                                         {"verdict", closure.summary["verdict"]},
-                                                         {"before", closure.summary["before"]},
-                                                         {"after", closure.summary["after"]},
-                                                         {"observed", observed_json(*all)}});
-  return closure;
-}
-
-template <std::vector<double> ClosureResult::*Residual>
-py::array residual(const py::object& self) {
-  const std::vector<double>& values = self.cast<const Closure&>().result.*Residual;
-  return view(values.data(), static_cast<py::ssize_t>(values.size()), sizeof(double), self);
-}
-
 // ---- correct
 
 struct Correction {
@@ -233,8 +206,7 @@ Correction run_correct(const Machine& machine, const Model& model, const std::st
       setup.how());
   std::optional<PlaybackResult> played;
   if (result.refusals.empty())
-    played = play_back(opened(program), opened(corrected.program), setup.with_tcp(), setup.how(),
-                       result);
+    played = play_back(opened(program), opened(corrected.program), setup.with_tcp(), setup.how(), result);
   corrected.report = correction_json("program", choices.orientation, setup.how(), result, played);
   if (played && !setup.holds(*played) && result.counts.beyond_tolerance == 0)
     throw RefusalError("program:" + std::to_string(played->after.tip_line) +
@@ -243,11 +215,6 @@ Correction run_correct(const Machine& machine, const Model& model, const std::st
 }
 
 // ---- tables
-
-struct Tables {
-  TableSet set;
-  json verification;
-};
 
 Tables run_tables(const Machine& machine, const Model& model, const std::string& controller, double spacing_deg,
                   double tool_length_mm, const std::string& date) {
@@ -354,16 +321,6 @@ void bind_results(py::module_& module) {
                     "Standard uncertainty of the deviation, um, shape (n, 3); None where the model has none")
       .def_readonly("extrapolated", &Evaluation::extrapolated,
                     "Whether the end of the probed tilts was held, shape (n,)");
-  py::class_<Closure>(module, "Closure", "What close() found")
-      .def_property_readonly("verdict", [](const Closure& c) { return std::string(verdict_text(c.result.verdict)); })
-      .def_property_readonly(
-          "model", [](const Closure& c) { return c.result.model; }, "The extended model")
-      .def_property_readonly(
-          "summary", [](const Closure& c) { return from_json(c.summary); },
-          "closure.json as a dict: effects with their evidence, stages before and after")
-      .def_property_readonly("residual_before", &residual<&ClosureResult::residual_before>,
-                             "Residuals without the effects found, mm (rad for rotations), shape (readings,); a view")
-      .def_property_readonly("residual_after", &residual<&ClosureResult::residual_after>, "The same with them");
   py::class_<Correction>(module, "Correction", "A corrected NC program")
       .def_property_readonly(
           "program", [](const Correction& c) { return py::bytes(c.program); }, "Its bytes")
@@ -419,11 +376,15 @@ void bind_tasks(py::module_& module) {
   const py::kw_only keys;
   module.def(
       "identify", &run_identify, NoPython(), py::arg("machine"), py::arg("observations"), keys,
-      py::arg("method") = "joint", py::arg("robust") = true, py::arg("fill") = false, py::arg("interpolation") = "",
-      py::arg("prior") = nullptr, py::arg("drift_um") = std::nullopt, py::arg("drift_urad") = std::nullopt,
+      py::arg("active") = std::nullopt, py::arg("method") = "joint", py::arg("robust") = true, py::arg("fill") = false,
+      py::arg("interpolation") = "", py::arg("prior") = nullptr, py::arg("drift_um") = std::nullopt,
+      py::arg("drift_urad") = std::nullopt,
       "Error maps with standard uncertainties from measurements. method: joint (one least squares over all poses) or "
       "two-step (pose by pose, as the paper). interpolation: a method's name; empty: what predicts left-out angles "
-      "best. prior: an earlier model of this machine, believed as far as the drift (1 sigma, um and urad) allows.");
+      "best. prior: an earlier model of this machine, believed as far as the drift (1 sigma, um and urad) allows. "
+      "active: "
+      "the compensation that was switched on while measuring, a Model, Tables, or the path of either; the readings are "
+      "taken back to the bare machine's.");
   module.def(
       "evaluate", &run_evaluate, py::arg("machine"), py::arg("model"), py::arg("tilt_deg"), py::arg("turn_deg"),
       py::arg("point_mm"), keys, py::arg("covariates") = std::map<std::string, Numbers>(), py::arg("hold") = false,
@@ -431,10 +392,6 @@ void bind_tasks(py::module_& module) {
       "nominal tool point in R, mm, shape (3,) or (n, 3). covariates: by column (time_s s, temperature_C deg C, A_dir "
       "and C_dir +1 or -1, ...), alike in shape. hold: outside the probed tilts take the end instead of raising "
       "RangeError. Arrays of float64 are read in place.");
-  module.def(
-      "close", &run_close, NoPython(), py::arg("machine"), py::arg("observations"), py::arg("verification") = nullptr,
-      "Looks for effects that the data show and the map lacks. verification: a later measurement at other angles, "
-      "part of which is kept back.");
   module.def(
       "correct",
       [](const Machine& machine, const Model& model, const std::string& program, const Job* job,

@@ -5,6 +5,7 @@
 import ast
 import csv
 import json
+import locale
 import os
 import pathlib
 import subprocess
@@ -14,6 +15,9 @@ import numpy as np
 import pytest
 
 import trunnion
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from comma_locale import NAME as COMMA, comma_locale  # noqa: E402
 
 PROGRAM = os.environ["TRUNNION"]
 SOURCE = pathlib.Path(os.environ["TRUNNION_SOURCE"])
@@ -151,6 +155,89 @@ def test_close_names_the_cause_on_a_probing_sample():
     closure = trunnion.close(machine, calibration, verification)
     assert len(closure.residual_before) == len(calibration) + len(verification)
     assert closure.summary["after"]["reduced_chi2"] <= closure.summary["before"]["reduced_chi2"]
+
+
+PROBING = SOURCE / "samples" / "probing" / "machine-01"
+
+
+def closed_by_program(folder, *words):
+    program("close", "--machine", PROBING / "machine.toml", *words, "-o", "closed", folder=folder)
+    return json.loads((folder / "closed" / "closure.json").read_text())
+
+
+def test_close_takes_the_active_compensation_out_as_the_program_does(machine, tmp_path):
+    machine = trunnion.Machine(PROBING / "machine.toml")
+    calibration = trunnion.Observations(PROBING / "observations.csv", machine)
+    verification = trunnion.Observations(PROBING / "verification.csv", machine)
+    model = trunnion.identify(machine, calibration).model
+    model.save(tmp_path / "active.json")
+    by_program = closed_by_program(tmp_path, "--observations", PROBING / "observations.csv", "--verification",
+                                   PROBING / "verification.csv", "--active", "active.json", "--active-only", "verification")
+    closures = [trunnion.close(machine, calibration, verification, active=active, active_only="verification")
+                for active in (model, tmp_path / "active.json")]
+    without = trunnion.close(machine, calibration, verification)
+    for closure in closures:
+        assert closure.summary["before"] == pytest.approx(by_program["before"], abs=1e-9)
+        assert [e["id"] for e in closure.summary["effects"]] == [e["id"] for e in by_program["effects"]]
+        assert abs(closure.summary["before"]["rms_um"] - without.summary["before"]["rms_um"]) > 0.1
+
+
+def test_identify_takes_the_active_tables_out(machine, observations, found, tmp_path):
+    tables = trunnion.tables(machine, found.model, "linuxcnc")
+    tables.write(tmp_path / "tables")
+    by_value = trunnion.identify(machine, observations, active=tables)
+    by_folder = trunnion.identify(machine, observations, active=tmp_path / "tables")
+    assert np.array_equal(by_value.model.error("EXC"), by_folder.model.error("EXC"))
+    # The bare machine then has what was seen and what the tables took out of it: about twice.
+    assert by_value.model.error("EAA")[0] == pytest.approx(2 * found.model.error("EAA")[0], rel=0.02)
+    other = trunnion.Machine.parse((SAMPLE / "machine.toml").read_text().replace('serial = "0001"', 'serial = "0002"'))
+    for active in (tables, tmp_path / "tables", found.model):
+        with pytest.raises(trunnion.RefusalError, match="0001.*0002"):
+            trunnion.identify(other, observations, active=active)
+
+
+def test_close_takes_a_measured_piece_as_the_program_does(machine, observations, found, tmp_path):
+    piece = trunnion.Piece(SOURCE / "samples" / "predict" / "piece.toml")
+    prediction = trunnion.predict(machine, found.model, piece)
+    rows = ["phi_deg,h_mm,deviation_um"]
+    noise = np.random.default_rng(5).normal(0, 0.2, prediction.deviation_um["uncompensated"].shape)
+    for h, measured in zip(prediction.h_mm, prediction.deviation_um["uncompensated"] + noise):
+        rows += [f"{phi},{h},{d:.4f}" for phi, d in zip(prediction.phi_deg[::10], measured[::10])]
+    (tmp_path / "measured.csv").write_text("\n".join(rows) + "\n")
+    program("close", "--machine", SAMPLE / "machine.toml", "--observations", SAMPLE / "replica.csv", "--piece",
+            SOURCE / "samples" / "predict" / "piece.toml", "--measured", "measured.csv", "-o", "closed", folder=tmp_path)
+    by_program = json.loads((tmp_path / "closed" / "closure.json").read_text())
+    closure = trunnion.close(machine, observations, piece=piece, measured=tmp_path / "measured.csv")
+    assert closure.verdict == by_program["verdict"]
+    assert closure.summary["piece"]["before"]["rms_um"] == pytest.approx(by_program["piece"]["before"]["rms_um"], abs=1e-6)
+    assert len(closure.residual_before) > len(observations)
+    for bad in ({"piece": piece}, {"measured": tmp_path / "measured.csv"}, {"program": "G1 X1"}):
+        with pytest.raises(trunnion.UsageError, match="piece, measured"):
+            trunnion.close(machine, observations, **bad)
+    with pytest.raises(trunnion.UsageError, match="observations"):
+        trunnion.close(machine)
+
+
+def test_numbers_do_not_depend_on_the_locale_of_the_host(machine, observations, found, tmp_path, monkeypatch):
+    """The program that loads the module may have set a locale with a decimal comma."""
+    environment = comma_locale(tmp_path)
+    if environment is None:
+        pytest.skip("no locale with a decimal comma can be made")
+    monkeypatch.setenv("LOCPATH", environment["LOCPATH"])
+    wanted = trunnion.tables(machine, found.model, "linuxcnc").files
+    try:
+        locale.setlocale(locale.LC_ALL, COMMA)
+        assert locale.localeconv()["decimal_point"] == ","
+        there = trunnion.Machine(SAMPLE / "machine.toml")
+        again = trunnion.identify(there, trunnion.Observations(SAMPLE / "replica.csv", there))
+        assert again.model.text == found.model.text
+        assert trunnion.tables(there, again.model, "linuxcnc").files == wanted
+        part = (SOURCE / "samples" / "correct" / "part.ngc").read_bytes()
+        corrected = trunnion.correct(there, again.model, part, trunnion.Job(SOURCE / "samples" / "correct" / "job.toml"))
+    finally:
+        locale.setlocale(locale.LC_ALL, "C")
+    assert corrected.program == trunnion.correct(
+        machine, found.model, part, trunnion.Job(SOURCE / "samples" / "correct" / "job.toml")).program
 
 
 def test_correct_writes_what_the_program_writes(machine, tmp_path):

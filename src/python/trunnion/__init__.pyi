@@ -169,6 +169,7 @@ def identify(
     machine: Machine,
     observations: Observations,
     *,
+    active: Optional[Union[Model, Tables, Path]] = None,
     method: str = "joint",
     robust: bool = True,
     fill: bool = False,
@@ -188,7 +189,16 @@ def evaluate(
     hold: bool = False,
 ) -> Evaluation: ...
 def close(
-    machine: Machine, observations: Observations, verification: Optional[Observations] = None
+    machine: Machine,
+    observations: Optional[Observations] = None,
+    verification: Optional[Observations] = None,
+    *,
+    active: Optional[Union[Model, Tables, Path]] = None,
+    active_only: str = "",
+    piece: Optional[Piece] = None,
+    measured: Path = "",
+    program: Union[str, bytes] = "",
+    job: Optional[Job] = None,
 ) -> Closure: ...
 def correct(
     machine: Machine,
