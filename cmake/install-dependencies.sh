@@ -12,7 +12,7 @@
 #   fleet      GNU parallel, and a Slurm that a test starts: the fleet on a workstation and on a cluster
 #   package    what cpack needs for the Debian package
 #   readers    FreeCAD, in which the STEP of a predicted piece is opened
-#   develop    clang, its tools and sanitizer run-times, valgrind: presets tidy and fuzz
+#   develop    clang, its tools and sanitizer run-times, valgrind, doxygen: presets tidy and fuzz, the headers as a site
 set -euo pipefail
 
 packages_of() {
@@ -35,7 +35,7 @@ packages_of() {
     fleet) echo parallel slurmctld slurmd slurm-client munge ;;
     package) echo dpkg-dev file ;;
     readers) echo freecad-python3 freecad-common ;;
-    develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind ;;
+    develop) echo clang clang-tidy clang-format libclang-rt-14-dev valgrind doxygen ;;
     *)
       echo "install-dependencies.sh: '$1' is no group; groups are linuxcnc, browser, python, shells, postgres, fleet, package, readers, develop" >&2
       return 2

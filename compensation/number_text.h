@@ -21,7 +21,7 @@ std::optional<long> integer_from(std::string_view word);
 
 /// The words between blanks and tabs.
 std::vector<std::string_view> words_of(std::string_view line);
-/// The lines, without their ends (\n or \r\n).
+/// The lines, without their ends (`\n` or `\r\n`).
 std::vector<std::string_view> lines_of(std::string_view text);
 std::string_view trimmed(std::string_view text);
 

@@ -8,12 +8,16 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 selection=(--label-exclude slow)
+groups=()
 if [ "${1:-}" = --slow ]; then
   selection=()
+  groups=(develop)
   shift
 fi
 
 cmake/install-dependencies.sh
+cmake/install-dependencies.sh "${groups[@]}" ||
+  echo "tests/run.sh: valgrind and doxygen cannot be installed here; the tests that need them will be skipped" >&2
 cmake/install-dependencies.sh linuxcnc ||
   echo "tests/run.sh: LinuxCNC cannot be installed here; the tests that need it will be skipped" >&2
 { cmake/install-dependencies.sh browser && tests/report/install.sh build/test/browser; } ||

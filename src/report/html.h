@@ -11,7 +11,7 @@ namespace trunnion {
 /// `text` with the characters that HTML keeps for itself replaced.
 std::string escaped(std::string_view text);
 
-/// <tag attributes>content</tag>; `content` is HTML.
+/// `<tag attributes>content</tag>`; `content` is HTML.
 std::string element(const std::string& tag, const std::string& content, const std::string& attributes = "");
 
 /// A table of HTML cells with a caption; the first column names the row, the others stand to the right where they start

@@ -5,7 +5,10 @@
 
 Each command is killed TIMES times by SIGKILL at moments spread over its whole run, and asked again: half of the times over
 an older result that differs, half into nothing. Afterwards the command runs to its end and must write what it always writes.
+A store of calibrations holds after each kill what it held before, with or without the calibration that was being added.
 """
+import hashlib
+import json
 import os
 import pathlib
 import random
@@ -16,8 +19,17 @@ import sys
 import tempfile
 import time
 
-from commands import COMMANDS, prepare, run, tree, words_of
+from commands import COMMANDS, Command, prepare, run, tree, words_of
 
+BATCH = Command("batch", "batch plan.toml -o {out} --program trunnion".split(), ["plan.toml"], "fleet", folder=True)
+PLAN = """format = "trunnion-batch"
+version = 1
+seed = 1
+[machines]
+folder = "machines"
+[tables]
+controllers = ["linuxcnc"]
+"""
 OLD = b"what stood there before\n"
 
 
@@ -97,6 +109,58 @@ def check(program, command, folder, times, rng):
     return findings
 
 
+def prepare_fleet(folder):
+    (folder / "plan.toml").write_text(PLAN)
+    for name in range(200):
+        place = folder / "machines" / f"m{name}"
+        place.mkdir(parents=True)
+        shutil.copyfile(folder / "machine.toml", place / "machine.toml")
+        shutil.copyfile(folder / "o.csv", place / "observations.csv")
+
+
+def kept(program, folder, findings, what):
+    """Hashes of the models in the store."""
+    result = run(program, "history list --store shop.db --json".split(), folder)
+    if result.returncode != 0:
+        findings.append(f"history: {what}: the store cannot be read: {result.stderr.decode().strip()}")
+        return set()
+    return {c["model_sha256"] for c in json.loads(result.stdout)}
+
+
+def check_history(program, folder, times, rng):
+    """`history add` killed, then asked again: each calibration once, every one intact."""
+    text, findings, caught, seen = (folder / "model.json").read_text(), [], 0, {"without": 0, "with": 0}
+    words = "history add --store shop.db --machine machine.toml --model added.json --date 2026-11-26".split()
+    (folder / "added.json").write_text(text)
+    started = time.monotonic()
+    run(program, words, folder, check=True)
+    duration, wanted = time.monotonic() - started, {hashlib.sha256(text.encode()).hexdigest()}
+    for turn in range(times):
+        model = text.replace('"fit": {', f'"fit": {{"draw": {turn}, ', 1)
+        assert model != text
+        (folder / "added.json").write_text(model)
+        moment = duration * rng.uniform(0.2, 1.2)
+        caught += killed(program, Command("history add", words, [], "shop.db"), folder, moment)
+        digest = hashlib.sha256(model.encode()).hexdigest()
+        found = kept(program, folder, findings, f"after kill {turn}")
+        if found - {digest} != wanted:
+            findings.append(f"history: after kill {turn}: {len(found)} calibrations, {len(wanted)} stood before")
+        seen["with" if digest in found else "without"] += 1
+        wanted.add(digest)
+        run(program, words, folder, check=True)
+        if kept(program, folder, findings, f"asked again after kill {turn}") != wanted:
+            findings.append(f"history: asked again after kill {turn}: not each calibration once")
+    for calibration in json.loads(run(program, "history list --store shop.db --json".split(), folder, check=True).stdout):
+        shown = run(program, f"history show {calibration['id']} --store shop.db -o -".split(), folder, check=True).stdout
+        if hashlib.sha256(shown).hexdigest() != calibration["model_sha256"]:
+            findings.append(f"history: calibration {calibration['id']} is not intact")
+    for path in folder.glob("shop.db*"):
+        if path.name not in ("shop.db", "shop.db-wal", "shop.db-shm"):
+            findings.append(f"history: remains {path.name}")
+    print(f"history add: {duration:.2f} s, killed {caught} of {times}: without {seen['without']}, with {seen['with']}", flush=True)
+    return findings
+
+
 def main():
     program, source, times = str(pathlib.Path(sys.argv[1]).resolve()), sys.argv[2], int(sys.argv[3])
     rng = random.Random(int(sys.argv[4]) if len(sys.argv) > 4 else 1)
@@ -106,6 +170,9 @@ def main():
         prepare(program, source, folder)
         for command in COMMANDS:
             findings += check(program, command, folder, times, rng)
+        findings += check_history(program, folder, times, rng)
+        prepare_fleet(folder)
+        findings += check(program, BATCH, folder, times, rng)
     print("\n".join(dict.fromkeys(findings)) or "every file was the old one or the new one")
     return 1 if findings else 0
 
