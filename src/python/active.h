@@ -6,7 +6,7 @@
 
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <variant>
 
@@ -20,7 +20,7 @@ namespace trunnion::python {
 /// A controller's compensation files, as tables() gives them.
 struct Tables {
   TableSet set;
-  nlohmann::json verification;
+  std::shared_ptr<const nlohmann::json> verification;  ///< verification.json
 };
 
 /// The compensation that was switched on while measuring: a value, or the path of its file or folder.

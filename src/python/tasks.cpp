@@ -229,7 +229,7 @@ Tables run_tables(const Machine& machine, const Model& model, const std::string&
   options.turn_spacing = options.tilt_spacing = Angle::degrees(spacing_deg);
   Tables tables{make_tables(controller_named(name), machine, model, options), {}};
   for (const TableFile& file : tables.set.files)
-    if (file.name == "verification.json") tables.verification = json::parse(file.text);
+    if (file.name == "verification.json") tables.verification = std::make_shared<const json>(json::parse(file.text));
   return tables;
 }
 
@@ -338,7 +338,7 @@ void bind_results(py::module_& module) {
           },
           "Text by name; *.DRAFT.* where the machine's [profile] leaves a question open")
       .def_property_readonly(
-          "verification", [](const Tables& t) { return from_json(t.verification); }, "verification.json as a dict")
+          "verification", [](const Tables& t) { return from_json(*t.verification); }, "verification.json as a dict")
       .def_property_readonly("load_ready", [](const Tables& t) { return t.set.verification.load_ready(); })
       .def(
           "write",

@@ -179,7 +179,7 @@ def test_close_takes_the_active_compensation_out_as_the_program_does(machine, tm
     for closure in closures:
         assert closure.summary["before"] == pytest.approx(by_program["before"], abs=1e-9)
         assert [e["id"] for e in closure.summary["effects"]] == [e["id"] for e in by_program["effects"]]
-        assert abs(closure.summary["before"]["rms_um"] - without.summary["before"]["rms_um"]) > 0.1
+        assert abs(closure.summary["before"]["rms_um"] - without.summary["before"]["rms_um"]) > 0.01  # um
 
 
 def test_identify_takes_the_active_tables_out(machine, observations, found, tmp_path):
