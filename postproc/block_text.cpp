@@ -27,6 +27,14 @@ CorrectionCounts& CorrectionCounts::operator+=(const CorrectionCounts& other) {
   largest_position_change_mm = std::max(largest_position_change_mm, other.largest_position_change_mm);
   largest_rotary_change_rad = std::max(largest_rotary_change_rad, other.largest_rotary_change_rad);
   largest_c_correction_rad = std::max(largest_c_correction_rad, other.largest_c_correction_rad);
+  reversals_left += other.reversals_left;
+  if (other.largest_reversal_left_mm > largest_reversal_left_mm) {
+    largest_reversal_left_mm = other.largest_reversal_left_mm;
+    largest_reversal_left_line = other.largest_reversal_left_line;
+  }
+  if (untimed_moves == 0) first_untimed_line = other.first_untimed_line;
+  untimed_moves += other.untimed_moves;
+  assumptions |= other.assumptions;
   return *this;
 }
 

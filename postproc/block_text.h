@@ -25,6 +25,13 @@ struct CorrectionCounts {
   double largest_position_change_mm = 0;  ///< of X Y Z from one block's correction to the next's
   double largest_rotary_change_rad = 0;   ///< of A and C likewise
   double largest_c_correction_rad = 0;
+  /// Where an axis turns round within a block, or before one that cannot be divided: nothing is taken up there.
+  std::uint64_t reversals_left = 0;
+  double largest_reversal_left_mm = 0;
+  std::uint64_t largest_reversal_left_line = 0;
+  std::uint64_t untimed_moves = 0;  ///< whose duration is not known, where errors depend on the time
+  std::uint64_t first_untimed_line = 0;
+  Assumptions assumptions = 0;
 
   bool changed() const { return changed_words + added_words + inserted_blocks > 0; }
   CorrectionCounts& operator+=(const CorrectionCounts& other);

@@ -31,6 +31,9 @@ CorrectedChunk ChunkWriter::write(std::string_view text, const ScannedChunk& sca
   block_text_.begin(text);
   block_text_.out().counts.lines = scanned.lines;
   block_text_.out().counts.copied_moves = scanned.copied_moves;
+  block_text_.out().counts.untimed_moves = scanned.untimed_moves;
+  block_text_.out().counts.first_untimed_line = scanned.first_untimed_line;
+  block_text_.out().counts.assumptions = scanned.assumptions;
   block_text_.out().refusals = scanned.refusals;
   if (!keep_going_) {
     last_ = nullptr;
@@ -190,24 +193,46 @@ void ChunkWriter::remember(const Solution& solution) {
 
 /// The correction at the block's begin, where an axis turns round there and the correction leaps with its sense. What
 /// the axis loses is then taken up by a piece of its own: spread over the block it would be wrong by nearly all of it
-/// on the way. A block that cannot be divided keeps its one piece.
-std::optional<Solution> ChunkWriter::taken_up(const MotionBlock& block) const {
+/// on the way. A block that cannot be divided keeps its one piece, and what that leaves is counted.
+std::optional<Solution> ChunkWriter::taken_up(const MotionBlock& block) {
   if (!solver_.corrector(block).field().knows_senses()) return std::nullopt;
-  if (last_ == nullptr || block.kind != BlockKind::feed || !block.from_known || block.arc() != nullptr)
-    return std::nullopt;
+  if (last_ == nullptr || block.kind != BlockKind::feed || !block.from_known) return std::nullopt;
   const Commanded& before = last_->commanded;
   const auto turned = [](int was, int is) { return was != 0 && is != 0 && was != is; };
   bool round = turned(before.tilt_sense, block.tilt_sense) || turned(before.turn_sense, block.turn_sense);
   for (std::size_t k = 0; k < 3; ++k) round |= turned(before.linear_sense[k], block.linear_sense[k]);
   if (!round) return std::nullopt;
-  if (block.stops || block.cutter || (block.extras && !block.extras->undividable.empty())) return std::nullopt;
   // Against the same moment with the senses of before: what drifts meanwhile is no leap.
   MotionBlock on = block;
   on.tilt_sense = static_cast<std::int8_t>(before.tilt_sense);
   on.turn_sense = static_cast<std::int8_t>(before.turn_sense);
   on.linear_sense = before.linear_sense;
   Solution begin = solver_.solved(block, block.from);
-  return solver_.leaps(solver_.solved(on, block.from), begin) ? std::optional(std::move(begin)) : std::nullopt;
+  const Solution was = solver_.solved(on, block.from);
+  if (!solver_.leaps(was, begin)) return std::nullopt;
+  if (!block.stops && !block.cutter && !(block.extras && !block.extras->undividable.empty())) return begin;
+  leave(block, begin, was);
+  return std::nullopt;
+}
+
+/// The senses of a block are those at its end: where a slide turns round on the way, the correction before that place
+/// is off by all that the slide loses.
+void ChunkWriter::note_turns_inside(const MotionBlock& block, const Solution& end) {
+  if (block.turns_round == 0 || block.kind != BlockKind::feed || !solver_.corrector(block).field().knows_senses())
+    return;
+  MotionBlock before = block;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (holds(block.turns_round, i)) before.linear_sense[i] = static_cast<std::int8_t>(-block.linear_sense[i]);
+  if (const Solution was = solver_.solved(before, block.target); solver_.leaps(was, end)) leave(block, end, was);
+}
+
+void ChunkWriter::leave(const MotionBlock& block, const Solution& with, const Solution& without) {
+  CorrectionCounts& counts = block_text_.out().counts;
+  ++counts.reversals_left;
+  const double size_mm = (with.linear.change_mm - without.linear.change_mm).norm();
+  if (!(size_mm > counts.largest_reversal_left_mm)) return;
+  counts.largest_reversal_left_mm = size_mm;
+  counts.largest_reversal_left_line = block.line;
 }
 
 void ChunkWriter::correct(const MotionBlock& block) {
@@ -217,6 +242,7 @@ void ChunkWriter::correct(const MotionBlock& block) {
   if (block.kind == BlockKind::feed && block.from_known && last_) solver_.check_change(*last_, end);
   const Ticks before = ticks_before(block);
   const std::optional<Solution> begin = taken_up(block);
+  note_turns_inside(block, end);
   const bool whole = solver_.is_short(block) && !begin;
   if (whole && !new_feed(block, before, end.ticks, 1, 1).word &&
       block_text_.rewrite_plainly(block, end.ticks, before)) {
@@ -239,7 +265,7 @@ void ChunkWriter::correct(const MotionBlock& block, Solution& end, const Ticks& 
   std::vector<NewWords> pieces;
   bool within_tolerance = true;
   std::optional<Vector3d> centre;
-  if (!whole && block.arc() != nullptr) centre = solver_.moved_arc(block, pen.before, end);
+  if (!whole && block.arc() != nullptr && !begin) centre = solver_.moved_arc(block, pen.before, end);
   if (whole || centre) {
     const NewWords words = this->words(block, end, true, pen);
     feed = new_feed(block, pen.before, end.ticks, 1, 1);
@@ -291,7 +317,14 @@ void ChunkWriter::correct(const MotionBlock& block, Solution& end, const Ticks& 
       if (begin) block_text_.out().inserted.back().takes_up = true;
     }
   }
-  if (!within_tolerance) ++block_text_.out().counts.beyond_tolerance;
+  CorrectionCounts& counts = block_text_.out().counts;
+  if (!within_tolerance) ++counts.beyond_tolerance;
+  if (pieces.size() > 1) {
+    if (text_.feed_over_all_axes && !block.tcp && !block.straight_on_part)
+      counts.assumptions |= only(Assumption::feed_over_all_axes);
+    if (text_.function_in_every_block) counts.assumptions |= only(Assumption::shared_block_numbers);
+  }
+  if (feed.timed && text_.time_in_seconds) counts.assumptions |= only(Assumption::time_of_one_block);
   if (whole || centre) {
     count(end);
     last_ = &end;

@@ -42,7 +42,9 @@ class ChunkWriter {
   void correct(const MotionBlock& block);
   void correct(const MotionBlock& block, Solution& end, const Ticks& before, bool whole,
                const std::optional<Solution>& begin);
-  std::optional<Solution> taken_up(const MotionBlock& block) const;
+  std::optional<Solution> taken_up(const MotionBlock& block);
+  void note_turns_inside(const MotionBlock& block, const Solution& end);
+  void leave(const MotionBlock& block, const Solution& with, const Solution& without);
   void set_position(const MotionBlock& block);
   void count(const Solution& solution);
 

@@ -207,6 +207,13 @@ Vector3d Corrector::tip_r(const Commanded& programmed, const Stand& at) const {
   return programmed.xyz_mm + at.t_rotation * tool + at.t_origin - tool;
 }
 
+Vector3d Corrector::slides_mm(const Vector3d& tip_r_mm, IndexedPosition rotary) const {
+  if (!tool_side_) return tip_r_mm;
+  const Stand at = stand(rotary);
+  const Vector3d tool(0, 0, -settings_.tool_length_mm);
+  return tip_r_mm - (at.t_rotation * tool + at.t_origin - tool);
+}
+
 Vector3d Corrector::tip_w(const Commanded& programmed, const Stand& at) const {
   if (settings_.tcp == ToolCentrePoint::on) return programmed.xyz_mm;
   return at.w_rotation.transpose() * (tip_r(programmed, at) - at.w_origin);

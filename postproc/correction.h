@@ -102,6 +102,9 @@ class Corrector {
   };
   Linear linear(const Commanded& programmed, IndexedPosition rotary) const;
 
+  /// Where the slides stand that hold the tip there, R.
+  Eigen::Vector3d slides_mm(const Eigen::Vector3d& tip_r_mm, IndexedPosition rotary) const;
+
   /// Both for one place, the rotary axes rounded to the decimals of their words in deg: what writing a program asks for
   /// line by line. With `rotary_moves` false the rotary axes stay as they are programmed.
   struct Solved {

@@ -95,6 +95,35 @@ const std::vector<std::string>& dialect_names() {
   return names;
 }
 
+std::string_view assumption_text(Assumption assumption) {
+  switch (assumption) {
+    case Assumption::feed_in_tenths_of_inch:
+      return "F of this program in inches is taken for tenths of an inch a minute; look at the feed of a block that "
+             "was "
+             "divided";
+    case Assumption::great_circle:
+      return "the tool axis is taken to turn in one plane at one rate between two directions (ORIVECT, PATHCTRL "
+             "VECTOR); "
+             "run a long turn in the air, or post shorter moves";
+    case Assumption::feed_over_all_axes:
+      return "F is taken to run over mm and degrees alike without tool-centre-point control; look at the feed of a "
+             "block "
+             "that was divided";
+    case Assumption::offset_without_words:
+      return "G58 and G59 without axis words are taken for work offsets; use G54 to G57 where they are shifts";
+    case Assumption::time_of_one_block:
+      return "FT is taken to hold for its block only, in seconds; run the first such block in the air";
+    case Assumption::shared_block_numbers:
+      return "blocks that were inserted share the number of the one they divide; let the control renumber if it "
+             "refuses "
+             "them";
+    case Assumption::high_speed_by_number:
+      return "G5 P10000 and the like are taken for a way of running that leaves the path as it is; correct the program "
+             "without them where they are not";
+  }
+  return "";
+}
+
 std::string_view told_dialect(std::string_view head) {
   const std::string text = without_comments(upper_case(head));
   const auto holds = [&](std::string_view sign) { return text.find(sign) != std::string::npos; };

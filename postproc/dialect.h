@@ -39,6 +39,9 @@ const Dialect& dialect(std::string_view name);
 /// The dialects that can be corrected.
 const std::vector<std::string>& dialect_names();
 
+/// What is taken for granted of a control, nobody having confirmed it, and what to do about it.
+std::string_view assumption_text(Assumption assumption);
+
 /// What the first lines of a program say about its dialect, where that is unmistakable: "" where nothing does.
 std::string_view told_dialect(std::string_view head);
 

@@ -103,7 +103,8 @@ bool IsoScanner::scan(std::string_view line, std::uint32_t begin, ScannedChunk& 
     // Lines may stand for the arcs before it, and then it is no longer what it was.
     if (kind == Refusal::Kind::refused && arc_mode() && !move_.block.motion_word.stands())
       kind = Refusal::Kind::for_good;
-    chunk.refusals.push_back({line_, refused.reason + (settings_.keep_going && lost_ ? kCopiedToEnd : ""), kind});
+    chunk.refusals.push_back({line_, refused.reason + (settings_.keep_going && lost_ ? kCopiedToEnd : ""), kind,
+                              lost_ ? Refusal::Behind::copied : Refusal::Behind::axes_unknown});
     state_.forget(kAllAxes);  // where the machine goes from here is not known
     return settings_.keep_going && kind == Refusal::Kind::refused;
   }
@@ -126,7 +127,8 @@ bool IsoScanner::follow_codes(std::string_view line) {
       motion_ = *known;
     else if (code == Code::cycle)
       cycle_ = *known;
-    else if (code != Code::harmless && code != Code::machine_coordinates && code != Code::home)
+    else if (code != Code::harmless && code != Code::taken_for_harmless && code != Code::machine_coordinates &&
+             code != Code::home)
       return false;
   }
   return true;
@@ -294,12 +296,16 @@ bool IsoScanner::take_block(IsoWords&, ScannedChunk&) { return false; }
 void IsoScanner::apply(int g, IsoWords& words) {
   const CodeEntry* found = entry(g);
   const Code code = found == nullptr ? Code::unknown : found->code;
-  words.changes_state |= code != Code::harmless && code != Code::dwell && code != Code::home;
+  words.changes_state |=
+      code != Code::harmless && code != Code::taken_for_harmless && code != Code::dwell && code != Code::home;
   switch (code) {
     case Code::unknown:
       refuse(code_name('G', g) + " is not known to dialect " + std::string(rules_.dialect));
       break;
     case Code::harmless:
+      break;
+    case Code::taken_for_harmless:
+      assumptions_ |= only(Assumption::high_speed_by_number);
       break;
     case Code::rapid:
     case Code::line:
@@ -396,6 +402,7 @@ void IsoScanner::execute(IsoWords& words, ScannedChunk& chunk) {
   for (std::size_t i = 0; i < words.g_count; ++i) apply(words.g[i], words);
   for (std::size_t i = 0; i < words.m_count; ++i) take_m(words.m[i], words);
   codes_followed_ = true;
+  chunk.assumptions |= assumptions_;
   if (!(words.dwell && rules_.dwell_takes_feed) && (words.feed.end != 0 || words.feed_expression)) {
     state_.feed = feed_unit_told_ && !words.optional ? words.feed.value.value() : 0;
     state_.feed_unit_mm = feed_unit_before;

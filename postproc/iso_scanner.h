@@ -11,6 +11,7 @@ namespace trunnion {
 enum class Code : std::uint8_t {
   unknown,
   harmless,
+  taken_for_harmless,  ///< nobody has confirmed it
   rapid,
   line,
   clockwise,
@@ -132,6 +133,7 @@ class IsoScanner : public ProgramScanner {
 
   ProgramState state_;
   Move move_;
+  Assumptions assumptions_ = 0;  ///< that the program has made use of
   bool absolute_centre_ = false;
 
  private:

@@ -127,6 +127,7 @@ struct BlockFacts {
   AxisSet raw_since = 0;           ///< axes that copied blocks have put elsewhere since the last corrected block
   std::int8_t tilt_sense = 1, turn_sense = 1;
   std::array<std::int8_t, 3> linear_sense{};  ///< of the slides' last motions, 0: not known; if the scan follows them
+  AxisSet turns_round = 0;                    ///< slides that turn round between the block's ends; likewise
   double time_s = 0;                          ///< at feed since the program's begin; if the scan follows it
   FeedMode feed_mode = FeedMode::per_minute;
   double unit_mm = 1;
@@ -174,7 +175,28 @@ struct Refusal {
     bad_input,
     for_good,  ///< refused even where refused blocks are to be copied
   } kind = Kind::refused;
+  /// How the scan goes on behind the block where it is copied.
+  enum class Behind : std::uint8_t {
+    known,         ///< the machine stands where the block says, uncorrected
+    axes_unknown,  ///< until they are programmed again
+    copied,        ///< the rest of the program is copied
+  } behind = Behind::known;
 };
+
+/// What was taken for granted of a control that nobody has confirmed, where a program makes use of it: bit i for the
+/// i-th of Assumption (docs/dialects.md).
+enum class Assumption : std::uint8_t {
+  feed_in_tenths_of_inch,
+  great_circle,
+  feed_over_all_axes,
+  offset_without_words,
+  time_of_one_block,
+  shared_block_numbers,
+  high_speed_by_number,
+};
+inline constexpr std::size_t kAssumptions = 7;
+using Assumptions = std::uint8_t;
+constexpr Assumptions only(Assumption one) { return static_cast<Assumptions>(1u << static_cast<unsigned>(one)); }
 
 /// What one chunk of a program holds for the corrector.
 struct ScannedChunk {
@@ -182,7 +204,10 @@ struct ScannedChunk {
   std::vector<MotionBlock> blocks;
   std::vector<Refusal> refusals;  ///< ascending lines, of what the scan refused
   std::uint64_t lines = 0;
-  std::uint64_t copied_moves = 0;  ///< blocks that move while not all five axes are known
+  std::uint64_t copied_moves = 0;        ///< blocks that move while not all five axes are known
+  std::uint64_t untimed_moves = 0;       ///< whose duration is not known, where the scan follows the time
+  std::uint64_t first_untimed_line = 0;  ///< the first of them
+  Assumptions assumptions = 0;
 };
 
 /// What programs of a control mean where that depends on the control's own parameters (machine file: [control]).

@@ -203,7 +203,7 @@ void PathSolver::check(const AxisValues& at, const Solution& solution) const {
   if (tilt2 > squared(guard_.limits.tilt.in_radians()))
     throw RangeError("tilt " + text_of(std::sqrt(tilt2) * 1e6, 1) + " urad, limits.correction_urad is " +
                      text_of(guard_.limits.tilt.in_microradians(), 3));
-  const Vector3d& slides = solution.linear.tip_r_mm;
+  const Vector3d slides = with_tcp_.slides_mm(solution.linear.tip_r_mm, solution.commanded.rotary);
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (!guard_.stroke[i]) continue;
     // A rotary axis is judged by the programmed angle, a slide by where it would be sent.

@@ -141,6 +141,8 @@ class PlainIsoPlayer : public PlainPlayer {
     return moved();
   }
 
+  void forget() override { at_.fill(kUnknown); }
+
  private:
   void code(double g) {
     const int n = code_number(10 * g + 0.5);

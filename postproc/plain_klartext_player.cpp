@@ -95,6 +95,8 @@ class PlainKlartextPlayer : public PlainPlayer {
     return move;
   }
 
+  void forget() override { at_.fill(kNotKnown); }
+
  private:
   void before(int m) {
     if (m == 6) at_.fill(kNotKnown);

@@ -41,6 +41,8 @@ class PlainPlayer {
   virtual ~PlainPlayer() = default;
   /// The move that a line makes with all axes known behind it.
   virtual std::optional<PlayedMove> play(const std::string& line) = 0;
+  /// Where the axes stand is not known until they are programmed again.
+  virtual void forget() = 0;
 };
 
 /// The whole part of a number that tells a code or a choice; -1 where it is beyond all of them.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "error.h"
 #include "geometric_errors/pose_error.h"
@@ -60,6 +61,7 @@ class PlayedMachine {
 
   struct Tool {
     Eigen::Vector3d tip_w_mm, axis_w;
+    double deviation_mm = 0, tilt_rad = 0;  // of the table's pose error at the tip
   };
   /// As the nominal machine holds it: what the program means.
   Tool meant(const Commanded& at, bool tcp) const {
@@ -77,8 +79,10 @@ class PlayedMachine {
     situation.linear_sense = {double(at.linear_sense[0]), double(at.linear_sense[1]), double(at.linear_sense[2])};
     situation.time_s = at.time_s;
     situation.tool_length_mm = tool_length_mm_;
-    const Eigen::Isometry3d w_from_r = (transform(field_.exactly_at(situation)) * chain_.r_from_w(at.rotary)).inverse();
-    return {w_from_r * tip, w_from_r.linear() * chain_.r_from_t(at.rotary).linear().col(2)};
+    const PoseError error = field_.exactly_at(situation);
+    const Eigen::Isometry3d moved = transform(error), w_from_r = (moved * chain_.r_from_w(at.rotary)).inverse();
+    return {w_from_r * tip, w_from_r.linear() * chain_.r_from_t(at.rotary).linear().col(2), (moved * tip - tip).norm(),
+            error.rotation_rad.norm()};
   }
 
  private:
@@ -161,6 +165,221 @@ class Collected {
   std::uint64_t count_ = 0;
 };
 
+/// The largest use of every limit, place by place.
+class LimitsMet {
+ public:
+  LimitsMet(const Corrector& corrector, const CorrectionGuard& guard, const std::array<char, kAxes>& letters)
+      : guard_(guard), letters_(letters), measured_(corrector.tilt_range()), word_(corrector.settings()) {}
+
+  /// Where the slides stand, mm, the rotary axes as programmed and as sent, and the table's pose error there.
+  void take(std::uint64_t line, const Eigen::Vector3d& slides_mm, const Commanded& wanted, const Commanded& sent,
+            double deviation_mm, double tilt_rad) {
+    for (std::size_t i = 0; i < 3; ++i) axis_[i].take(slides_mm[static_cast<Eigen::Index>(i)], line);
+    axis_[kTilt].take(wanted.rotary.a.in_degrees(), line);
+    axis_[kTurn].take(wanted.rotary.c.in_degrees(), line);
+    deviation_um_.take(1e3 * deviation_mm, line);
+    tilt_urad_.take(1e6 * tilt_rad, line);
+    turn_deg_.take(std::abs((sent.rotary.c - wanted.rotary.c).in_degrees()), line);
+  }
+
+  /// The end of a block at feed, if `on_feed` one that goes on from the block before.
+  void end_block(std::uint64_t line, const Commanded& wanted, const Commanded& sent, bool on_feed) {
+    const Eigen::Vector3d by_mm = sent.xyz_mm - wanted.xyz_mm;
+    const double tilt = (sent.rotary.a - wanted.rotary.a).in_degrees();
+    const double turn = (sent.rotary.c - wanted.rotary.c).in_degrees();
+    if (on_feed && block_before_) {
+      change_um_.take(1e3 * (by_mm - by_mm_).norm(), line);
+      change_deg_.take(std::max(std::abs(tilt - tilt_), std::abs(turn - turn_)), line);
+    }
+    block_before_ = true;
+    by_mm_ = by_mm, tilt_ = tilt, turn_ = turn;
+  }
+  void interrupt() { block_before_ = false; }
+
+  std::vector<LimitUse> result() const {
+    std::vector<LimitUse> list;
+    for (std::size_t i = 0; i < kAxes; ++i)
+      if (guard_.stroke[i])
+        list.push_back(range(std::string("axis.") + letters_[i] + (i < 3 ? ".range_mm" : ".range_deg"),
+                             i < 3 ? "mm" : "deg", axis_[i], guard_.stroke[i]->first, guard_.stroke[i]->second));
+    list.push_back(range(std::string("probed ") + letters_[kTilt], "deg", axis_[kTilt], measured_.low.in_degrees(),
+                         measured_.high.in_degrees()));
+    const CorrectionLimits& limits = guard_.limits;
+    list.push_back(largest("limits.correction_um", "um", deviation_um_, limits.deviation.in_micrometres()));
+    list.push_back(largest("limits.correction_urad", "urad", tilt_urad_, limits.tilt.in_microradians()));
+    list.push_back(largest("limits.correction_C_deg", "deg", turn_deg_, word_.largest_rotary_change.in_degrees()));
+    list.push_back(largest("limits.change_um", "um", change_um_, guard_.change.in_micrometres()));
+    list.push_back(largest("limits.change_deg", "deg", change_deg_, guard_.rotary_change.in_degrees()));
+    return list;
+  }
+
+ private:
+  struct Used {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    std::uint64_t low_line = 0, high_line = 0;
+    void take(double value, std::uint64_t line) {
+      if (value < low) low = value, low_line = line;
+      if (value > high) high = value, high_line = line;
+    }
+    bool any() const { return low <= high; }
+  };
+  static LimitUse largest(std::string limit, std::string unit, const Used& used, double allowed) {
+    LimitUse use{.limit = std::move(limit), .unit = std::move(unit), .low = {}, .allowed_low = {}};
+    use.high = used.any() ? used.high : 0;
+    use.allowed_high = allowed;
+    use.high_line = used.high_line;
+    return use;
+  }
+  static LimitUse range(std::string limit, std::string unit, const Used& used, double from, double to) {
+    LimitUse use = largest(std::move(limit), std::move(unit), used, to);
+    use.low = used.any() ? used.low : 0;
+    use.allowed_low = from;
+    use.low_line = used.low_line;
+    return use;
+  }
+
+  const CorrectionGuard& guard_;
+  const std::array<char, kAxes>& letters_;
+  Range<Angle> measured_;
+  CorrectionSettings word_;
+  std::array<Used, kAxes> axis_;
+  Used deviation_um_, tilt_urad_, turn_deg_, change_um_, change_deg_;
+  bool block_before_ = false;
+  Eigen::Vector3d by_mm_ = Eigen::Vector3d::Zero();
+  double tilt_ = 0, turn_ = 0;
+};
+
+/// The work of play_back: both programs side by side, block by block of the original.
+class Playback {
+ public:
+  Playback(const OpenProgram& original, const OpenProgram& corrected, const Corrector& with_tcp,
+           const ProgramCorrection& how, const ProgramCorrectionResult& correction)
+      : how_(how),
+        correction_(correction),
+        meant_lines_(original()),
+        sent_lines_(corrected()),
+        meant_player_(plain_player(how.dialect, how.scan)),
+        sent_player_(plain_player(how.dialect, how.scan)),
+        machine_(with_tcp.chain(), with_tcp.field(), with_tcp.settings().tool_length_mm),
+        senses_(machine_, how.scan.follow_senses),
+        limits_(with_tcp, how.guard, how.scan.letters) {}
+
+  PlaybackResult run() {
+    auto refusal = correction_.refusals.begin();
+    for (std::uint64_t number = 1; meant_lines_.next(meant_line_); ++number) {
+      const Refusal* refused = nullptr;
+      for (; refusal != correction_.refusals.end() && refusal->line == number; ++refusal) refused = &*refusal;
+      if (sent_line_ + 1 == correction_.header_line) next_sent();
+      if (refused != nullptr && refused->behind == Refusal::Behind::copied) {
+        pass_over_the_rest(number);
+        break;
+      }
+      take_block(number, refused);
+    }
+    if (sent_lines_.next(line_)) throw InputError("the corrected program goes on behind the original's end");
+    result_.samples = after_.count();
+    result_.before = before_.result();
+    result_.after = after_.result();
+    result_.limits = limits_.result();
+    return result_;
+  }
+
+ private:
+  std::optional<PlayedMove> next_sent() {
+    ++sent_line_;
+    if (!sent_lines_.next(line_)) throw InputError("the corrected program ends before the original does");
+    return sent_player_->play(line_);
+  }
+
+  void pass_over_the_rest(std::uint64_t number) {
+    result_.copied_from = number;
+    ++result_.refused;
+    do {
+      if (!sent_lines_.next(line_) || line_ != meant_line_)
+        throw InputError(how_.name, number, "the corrected program is no copy here");
+      ++number;
+    } while (meant_lines_.next(meant_line_));
+  }
+
+  void take_block(std::uint64_t number, const Refusal* refused) {
+    std::optional<PlayedMove> meant = meant_player_->play(meant_line_);
+    if (meant) senses_.tell(*meant);
+    if (meant && how_.scan.follow_time) time_s_ += meant->seconds;
+    pieces_.clear();
+    bool takes_up = false;
+    if (const auto piece = next_sent()) pieces_.push_back(*piece);
+    if (insertion_ != correction_.inserted.end() && insertion_->line == number) {
+      for (std::uint32_t i = 0; i < insertion_->count; ++i)
+        if (const auto piece = next_sent()) pieces_.push_back(*piece);
+      takes_up = insertion_->takes_up;
+      ++insertion_;
+    }
+    if (refused != nullptr) {
+      ++result_.refused;
+      off_ = true;
+      limits_.interrupt();
+      if (refused->behind == Refusal::Behind::axes_unknown) {
+        meant_player_->forget();
+        sent_player_->forget();
+      }
+      return;
+    }
+    if (meant.has_value() == pieces_.empty())
+      throw InputError(how_.name, number, "the corrected program moves otherwise here");
+    if (!meant) return;
+    ++result_.moves;
+    compare(number, *meant, takes_up);
+    off_ = false;
+  }
+
+  void compare(std::uint64_t number, const PlayedMove& meant, bool takes_up) {
+    const KinematicChain* chain = &machine_.chain();
+    const double first = takes_up ? 1 : 0, n = static_cast<double>(pieces_.size()) - first;
+    Commanded wanted, sent;
+    for (std::size_t k = 0; k < pieces_.size(); ++k) {
+      const bool on_the_spot = takes_up && k == 0;
+      for (const double s : {0.5, 1.0}) {
+        if (s < 1 && (on_the_spot || !meant.feed || !meant.begins_known())) continue;
+        if (s < 1 && off_ && k == 0) continue;  // it sets out from where nothing was corrected
+        const double part = on_the_spot ? 0 : (static_cast<double>(k) - first + s) / n;
+        wanted = commanded(meant.at(part, chain), meant, time_s_);
+        sent = commanded(pieces_[k].at(s, chain), meant, time_s_);
+        const PlayedMachine::Tool aim = machine_.meant(wanted, meant.tcp),
+                                  as_programmed = machine_.held(wanted, meant.tcp),
+                                  as_sent = machine_.held(sent, meant.tcp);
+        const PathStretch there{.line = number,
+                                .tip_before_mm = (as_programmed.tip_w_mm - aim.tip_w_mm).norm(),
+                                .tip_after_mm = (as_sent.tip_w_mm - aim.tip_w_mm).norm(),
+                                .tilt_before_rad = as_programmed.axis_w.cross(aim.axis_w).norm(),
+                                .tilt_after_rad = as_sent.axis_w.cross(aim.axis_w).norm()};
+        before_.add(there.tip_before_mm, there.tilt_before_rad, number);
+        after_.add(there.tip_after_mm, there.tilt_after_rad, number);
+        result_.along.add(there);
+        if (s == 1)
+          limits_.take(number, machine_.slides_mm(sent, meant.tcp), wanted, sent, as_sent.deviation_mm,
+                       as_sent.tilt_rad);
+      }
+    }
+    limits_.end_block(number, wanted, sent, meant.feed && meant.begins_known());
+  }
+
+  const ProgramCorrection& how_;
+  const ProgramCorrectionResult& correction_;
+  Lines meant_lines_, sent_lines_;
+  std::unique_ptr<PlainPlayer> meant_player_, sent_player_;
+  PlayedMachine machine_;
+  Senses senses_;
+  LimitsMet limits_;
+  Collected before_, after_;
+  std::string meant_line_, line_;
+  std::uint64_t sent_line_ = 0;
+  std::vector<Insertion>::const_iterator insertion_ = correction_.inserted.begin();
+  double time_s_ = 0;
+  std::vector<PlayedMove> pieces_;
+  bool off_ = false;  // the block before was copied: the machine stands uncorrected
+  PlaybackResult result_;
+};
+
 }  // namespace
 
 std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSettings& settings, double step_mm,
@@ -190,69 +409,7 @@ std::vector<PlayedPlace> played_places(const OpenProgram& program, const ScanSet
 
 PlaybackResult play_back(const OpenProgram& original, const OpenProgram& corrected, const Corrector& with_tcp,
                          const ProgramCorrection& how, const ProgramCorrectionResult& correction) {
-  Lines meant_lines(original()), sent_lines(corrected());
-  const std::unique_ptr<PlainPlayer> meant_player = plain_player(how.dialect, how.scan);
-  const std::unique_ptr<PlainPlayer> sent_player = plain_player(how.dialect, how.scan);
-  Collected before, after;
-  PlaybackResult result;
-  std::string line;
-  auto insertion = correction.inserted.begin();
-  std::uint64_t sent_line = 0;
-  const auto next_sent = [&] {
-    ++sent_line;
-    if (!sent_lines.next(line)) throw InputError("the corrected program ends before the original does");
-    return sent_player->play(line);
-  };
-  const PlayedMachine machine(with_tcp.chain(), with_tcp.field(), with_tcp.settings().tool_length_mm);
-  Senses senses(machine, how.scan.follow_senses);
-  double time_s = 0;
-  std::vector<PlayedMove> pieces;
-  for (std::uint64_t number = 1; meant_lines.next(line); ++number) {
-    std::optional<PlayedMove> meant = meant_player->play(line);
-    if (meant) senses.tell(*meant);
-    if (meant && how.scan.follow_time) time_s += meant->seconds;
-    if (sent_line + 1 == correction.header_line) next_sent();
-    pieces.clear();
-    bool takes_up = false;
-    if (const auto piece = next_sent()) pieces.push_back(*piece);
-    if (insertion != correction.inserted.end() && insertion->line == number) {
-      for (std::uint32_t i = 0; i < insertion->count; ++i)
-        if (const auto piece = next_sent()) pieces.push_back(*piece);
-      takes_up = insertion->takes_up;
-      ++insertion;
-    }
-    if (meant.has_value() == pieces.empty())
-      throw InputError(how.name, number, "the corrected program moves otherwise here");
-    if (!meant) continue;
-    ++result.moves;
-    const KinematicChain* chain = &machine.chain();
-    const double first = takes_up ? 1 : 0, n = static_cast<double>(pieces.size()) - first;
-    for (std::size_t k = 0; k < pieces.size(); ++k) {
-      const bool on_the_spot = takes_up && k == 0;
-      for (const double s : {0.5, 1.0}) {
-        if (s < 1 && (on_the_spot || !meant->feed || !meant->begins_known())) continue;
-        const double part = on_the_spot ? 0 : (static_cast<double>(k) - first + s) / n;
-        const Commanded wanted = commanded(meant->at(part, chain), *meant, time_s);
-        const Commanded sent = commanded(pieces[k].at(s, chain), *meant, time_s);
-        const PlayedMachine::Tool aim = machine.meant(wanted, meant->tcp),
-                                  as_programmed = machine.held(wanted, meant->tcp),
-                                  as_sent = machine.held(sent, meant->tcp);
-        const PathStretch there{.line = number,
-                                .tip_before_mm = (as_programmed.tip_w_mm - aim.tip_w_mm).norm(),
-                                .tip_after_mm = (as_sent.tip_w_mm - aim.tip_w_mm).norm(),
-                                .tilt_before_rad = as_programmed.axis_w.cross(aim.axis_w).norm(),
-                                .tilt_after_rad = as_sent.axis_w.cross(aim.axis_w).norm()};
-        before.add(there.tip_before_mm, there.tilt_before_rad, number);
-        after.add(there.tip_after_mm, there.tilt_after_rad, number);
-        result.along.add(there);
-      }
-    }
-  }
-  if (sent_lines.next(line)) throw InputError("the corrected program goes on behind the original's end");
-  result.samples = after.count();
-  result.before = before.result();
-  result.after = after.result();
-  return result;
+  return Playback(original, corrected, with_tcp, how, correction).run();
 }
 
 }  // namespace trunnion

@@ -16,8 +16,7 @@ namespace trunnion {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 16;
-constexpr std::size_t kHead = 512;             // the program's name and the like stand in its first chunk
-constexpr std::size_t kMostRefusals = 100000;  // told one by one
+constexpr std::size_t kHead = 512;  // the program's name and the like stand in its first chunk
 
 /// What may stand in a comment of any dialect.
 std::string harmless(const std::string& words) {
@@ -130,7 +129,8 @@ class Pipeline {
     chunk.number = taken_++;
     chunk.scanned.blocks.clear();
     chunk.scanned.refusals.clear();
-    chunk.scanned.lines = chunk.scanned.copied_moves = 0;
+    chunk.scanned.lines = chunk.scanned.copied_moves = chunk.scanned.untimed_moves = 0;
+    chunk.scanned.assumptions = 0;
     chunk.scanned.before = last_corrected_;
     const std::string_view text = chunk.text;
     const bool byte_order_mark = chunk.number == 0 && text.starts_with(kByteOrderMark);

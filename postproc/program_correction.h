@@ -36,9 +36,11 @@ struct ProgramCorrection {
   ReportProgress progress;
 };
 
+inline constexpr std::size_t kMostRefusals = 100000;  ///< told one by one
+
 struct ProgramCorrectionResult {
   CorrectionCounts counts;
-  std::vector<Refusal> refusals;    ///< only where keep_going was asked for
+  std::vector<Refusal> refusals;    ///< only where keep_going was asked for; ascending lines
   std::uint64_t header_line = 0;    ///< of the output, from 1; 0: none
   std::vector<Insertion> inserted;  ///< ascending; kept if `keep_insertions`
 };

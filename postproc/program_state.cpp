@@ -342,9 +342,14 @@ void ProgramState::move(Move& move, std::uint64_t line, ScannedChunk& chunk) {
   raw_since_ = 0;
   if (slides_) slides_->follow(block);
   if (settings_.follow_time) {
-    time_s_ += block_seconds(block);
+    const double seconds = block_seconds(block);
+    if (seconds == 0 && !(block.from_known && from == at_) && ++chunk.untimed_moves == 1)
+      chunk.first_untimed_line = line;
+    time_s_ += seconds;
     block.time_s = time_s_;
   }
+  if (block.turning == ToolTurning::great_circle && (at_[kTilt] != from[kTilt] || at_[kTurn] != from[kTurn]))
+    chunk.assumptions |= only(Assumption::great_circle);
   chunk.blocks.push_back(block);
 }
 

@@ -27,6 +27,7 @@ void SlideSenses::follow(MotionBlock& block) {
     sense_ = {};
     from_mm_ = slides_mm(block, block.target);
   } else {
+    AxisSet moved = 0;
     for (const double part : kParts) {
       if (part < 1 && block.kind == BlockKind::rapid) continue;
       const Vector3d to = slides_mm(block, with_arc(block.arc(), between(block.from, block.target, part), part));
@@ -34,6 +35,8 @@ void SlideSenses::follow(MotionBlock& block) {
         const Eigen::Index axis = static_cast<Eigen::Index>(i);
         const double way = to[axis] - from_mm_[axis];
         if (way * sense_[i] <= 0 && std::abs(way) <= kStill_mm) continue;
+        if (way * sense_[i] < 0 && holds(moved, i)) block.turns_round |= only(i);
+        moved |= only(i);
         sense_[i] = way > 0 ? 1 : -1;
         from_mm_[axis] = to[axis];
       }

@@ -11,7 +11,8 @@ class SlideSenses {
   /// `chain` must outlive it; the tool's length matters where the head carries a rotary axis.
   SlideSenses(const KinematicChain& chain, double tool_length_mm) : chain_(&chain), tool_length_mm_(tool_length_mm) {}
 
-  /// Fills block.linear_sense, at the block's end; 0 for a slide that has not moved since all axes were known.
+  /// Fills block.linear_sense, at the block's end; 0 for a slide that has not moved since all axes were known. And
+  /// block.turns_round, the slides that turn round on the way.
   void follow(MotionBlock& block);
 
  private:

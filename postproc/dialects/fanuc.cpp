@@ -25,7 +25,7 @@ constexpr CodeEntry kCodes[] = {
     {32, Code::other_motion, kCurve},
     {34, Code::other_motion, kCurve},
     {40, Code::dwell},
-    {50, Code::harmless},
+    {50, Code::taken_for_harmless},
     {51, Code::harmless},
     {54, Code::harmless},
     {62, Code::other_motion, kCurve},

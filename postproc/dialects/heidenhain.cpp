@@ -32,8 +32,8 @@ bool HeidenhainScanner::scan(std::string_view line, std::uint32_t begin, Scanned
     execute(block, line, chunk);
   } catch (const LineRefused& refused) {
     lost_ = refused.lasting || !follow_codes(block);
-    chunk.refusals.push_back(
-        {line_, refused.reason + (settings_.keep_going && lost_ ? kCopiedToEnd : ""), refused.kind});
+    chunk.refusals.push_back({line_, refused.reason + (settings_.keep_going && lost_ ? kCopiedToEnd : ""), refused.kind,
+                              lost_ ? Refusal::Behind::copied : Refusal::Behind::axes_unknown});
     state_.forget(kAllAxes);
     return settings_.keep_going && refused.kind == Refusal::Kind::refused;
   }
@@ -133,6 +133,7 @@ void HeidenhainScanner::path(const KlartextLine& block, std::string_view line, S
     }
     state_.move(move_, line_, chunk);
   }
+  if (told.has_feed && state_.unit_mm != 1) chunk.assumptions |= only(Assumption::feed_in_tenths_of_inch);
   for (const int m : told.m) behind_move(m);
   if (told.ends) ended_ = true;
 }

@@ -234,6 +234,7 @@ class SinumerikScanner : public IsoScanner {
     } else if (move_.block.words > 0) {
       refuse(code_name('G', g) + ": moves the zero of single axes; post it with TRANS");
     } else {
+      if (g == 580 || g == 590) assumptions_ |= only(Assumption::offset_without_words);
       state_.select_offset(code_name('G', g));
       words.changes_modes = true;
     }

@@ -96,6 +96,25 @@ std::string head_of(const OpenProgram& program) {
   return head;
 }
 
+void warn_of_what_is_left(const CorrectionCounts& c, const Talk& talk) {
+  if (c.copied_moves > 0)
+    talk.warn(std::to_string(c.copied_moves) +
+              " blocks move before every axis was programmed (or after G28, G53 or a tool change): copied");
+  if (c.beyond_tolerance > 0)
+    talk.warn(std::to_string(c.beyond_tolerance) +
+              " blocks do not hold the tolerance between their ends, however often divided");
+  if (c.reversals_left > 0)
+    talk.warn("an axis turns round within " + std::to_string(c.reversals_left) +
+              " blocks, or before one that cannot be divided: what it loses is not taken up there, " +
+              formatted("up to %.2f um", 1e3 * c.largest_reversal_left_mm) + " on line " +
+              std::to_string(c.largest_reversal_left_line) + "; post a block's end where the axis turns round");
+  if (c.untimed_moves > 0)
+    talk.warn("errors of this machine change with the time, and how long " + std::to_string(c.untimed_moves) +
+              " moves last is not known (rapids, G95, no F; first: line " + std::to_string(c.first_untimed_line) +
+              "): they count as 0 s");
+  for (const std::string& text : assumptions_met(c)) talk.warn("not confirmed for this control: " + text);
+}
+
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
   const std::string model_bytes = read_text(o.model);
@@ -140,7 +159,9 @@ int run(const Options& o, const Talk& talk) {
     talk.warn(o.input + ":" + std::to_string(refusal.line) + ": copied uncorrected: " + refusal.reason);
 
   std::optional<PlaybackResult> played;
-  if (!o.report.empty() && result.refusals.empty()) {
+  const bool all_told = result.refusals.size() < kMostRefusals;
+  if (!all_told) talk.warn("so many blocks are refused that the result is not played back");
+  if (!o.report.empty() && all_told) {
     Progress progress(talk, "play back", 1e-6 * file_size(o.input), "MB");
     played = play_back(counted(program, [&](double bytes) { progress.at(1e-6 * bytes); }),
                        file_source(output.written()), setup.with_tcp(), how, result);
@@ -160,14 +181,9 @@ int run(const Options& o, const Talk& talk) {
   }
   output.commit();
   if (!o.report.empty()) write_whole(o.report, json_text(summary), inputs);
-  if (result.counts.copied_moves > 0)
-    talk.warn(std::to_string(result.counts.copied_moves) +
-              " blocks move before every axis was programmed (or after G28, G53 or a tool change): copied");
-  if (result.counts.beyond_tolerance > 0)
-    talk.warn(std::to_string(result.counts.beyond_tolerance) +
-              " blocks do not hold the tolerance between their ends, however often divided");
+  warn_of_what_is_left(result.counts, talk);
   if (talk.json) std::fputs(json_text(summary).c_str(), stdout);
-  talk.show(correction_text(result, played));
+  talk.show(correction_text(result, played) + (talk.verbose && played ? limits_text(*played) : ""));
   talk.say("wrote " + o.output);
   return result.refusals.empty() ? 0 : 1;
 }

@@ -32,6 +32,24 @@ nlohmann::json along_json(const PathTrace& along) {
   return j;
 }
 
+nlohmann::json limits_json(const std::vector<LimitUse>& limits) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const LimitUse& use : limits) {
+    nlohmann::json j = {{"limit", use.limit}, {"unit", use.unit}};
+    if (use.low) {
+      j["used"] = {*use.low, use.high};
+      j["allowed"] = {*use.allowed_low, use.allowed_high};
+      j["lines"] = {use.low_line, use.high_line};
+    } else {
+      j["used"] = use.high;
+      j["allowed"] = use.allowed_high;
+      j["line"] = use.high_line;
+    }
+    list.push_back(std::move(j));
+  }
+  return list;
+}
+
 }  // namespace
 
 nlohmann::json correction_json(const std::string& nc_program, bool orientation, const ProgramCorrection& how,
@@ -59,6 +77,11 @@ nlohmann::json correction_json(const std::string& nc_program, bool orientation, 
       {"largest_C_correction_deg", Angle::radians(c.largest_c_correction_rad).in_degrees()},
       {"largest_change_per_block_um", 1e3 * c.largest_position_change_mm},
       {"largest_rotary_change_per_block_deg", Angle::radians(c.largest_rotary_change_rad).in_degrees()}};
+  json["reversals_left"] = {{"count", c.reversals_left},
+                            {"largest_um", 1e3 * c.largest_reversal_left_mm},
+                            {"line", c.largest_reversal_left_line}};
+  json["moves_of_unknown_duration"] = c.untimed_moves;
+  json["assumptions"] = assumptions_met(c);
   json["refused"] = nlohmann::json::array();
   for (const Refusal& r : result.refusals) json["refused"].push_back({{"line", r.line}, {"reason", r.reason}});
   if (played)
@@ -66,8 +89,30 @@ nlohmann::json correction_json(const std::string& nc_program, bool orientation, 
                         {"places", played->samples},
                         {"before", path_json(played->before)},
                         {"after", path_json(played->after)},
+                        {"limits", limits_json(played->limits)},
+                        {"refused_blocks", played->refused},
+                        {"copied_from_line", played->copied_from},
                         {"along", along_json(played->along)}};
   return json;
+}
+
+std::vector<std::string> assumptions_met(const CorrectionCounts& counts) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < kAssumptions; ++i)
+    if (const auto one = static_cast<Assumption>(i); (counts.assumptions & only(one)) != 0)
+      texts.emplace_back(assumption_text(one));
+  return texts;
+}
+
+std::string limits_text(const PlaybackResult& played) {
+  std::vector<std::vector<std::string>> rows = {{"limit", "used", "allowed", "unit", "at line"}};
+  const auto range = [](std::optional<double> low, double high) {
+    return (low ? formatted("%.5g ... ", *low) : std::string()) + formatted("%.5g", high);
+  };
+  for (const LimitUse& use : played.limits)
+    rows.push_back({use.limit, range(use.low, use.high), range(use.allowed_low, use.allowed_high), use.unit,
+                    (use.low ? std::to_string(use.low_line) + ", " : "") + std::to_string(use.high_line)});
+  return text_table(rows);
 }
 
 std::string correction_text(const ProgramCorrectionResult& result, const std::optional<PlaybackResult>& played) {
@@ -92,6 +137,10 @@ std::string correction_text(const ProgramCorrectionResult& result, const std::op
           formatted("%.3f", 1e3 * played->after.largest_tip_mm), std::to_string(played->after.tip_line),
           formatted("%.3f", 1e6 * played->after.rms_tilt_rad), formatted("%.3f", 1e6 * played->after.largest_tilt_rad),
           std::to_string(played->after.tilt_line)}});
+  if (played && played->refused > 0)
+    text += "Played without " + std::to_string(played->refused) + " refused blocks" +
+            (played->copied_from > 0 ? ", up to line " + std::to_string(played->copied_from) : "") +
+            "; they are copied as they were\n";
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "postproc/playback.h"
 
@@ -14,7 +15,13 @@ namespace trunnion {
 nlohmann::json correction_json(const std::string& nc_program, bool orientation, const ProgramCorrection& how,
                                const ProgramCorrectionResult& result, const std::optional<PlaybackResult>& played);
 
-/// The same for people.
+/// What was taken for granted of the control and not confirmed, where the program makes use of it: a sentence each.
+std::vector<std::string> assumptions_met(const CorrectionCounts& counts);
+
+/// How much of each limit the written program uses, for people.
+std::string limits_text(const PlaybackResult& played);
+
+/// The summary for people.
 std::string correction_text(const ProgramCorrectionResult& result, const std::optional<PlaybackResult>& played);
 
 }  // namespace trunnion

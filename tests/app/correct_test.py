@@ -74,13 +74,31 @@ def refusals(folder):
     check([r["line"] for r in report["refused"]] == [7], report["refused"])
     text = (folder / "out.nc").read_text()
     check("\nG81 Z-5. R2.\n" in text and "X14. " not in text, text)
+    played = report["playback"]
+    check(played["refused_blocks"] == 1 and played["copied_from_line"] == 0, played)
+    check(played["after"]["position_max_um"] < 0.4 < played["before"]["position_max_um"], played)
+    check("Played without 1 refused blocks" in result.stdout, result.stdout)
+
+
+def limits_and_assumptions(folder):
+    """How much of each limit is used, and what nobody has confirmed of the control."""
+    (folder / "job.toml").write_text("[work_offsets_mm]\nG54 = [0, 0, 0]\n")
+    (folder / "part.nc").write_text("%\nO1\nG5 P10000\nG21 G90\nG43.4 H1\nG0 X10. Y0. Z50. A-30. C10.\nG1 X12. F500.\nM30\n%\n")
+    result, report = correct(folder, "part.nc", "job.toml", "--verbose")
+    check(result.returncode == 0 and result.stderr.count("not confirmed for this control: G5 P10000") == 1, result.stderr)
+    check(len(report["assumptions"]) == 1, report["assumptions"])
+    limits = {one["limit"]: one for one in report["playback"]["limits"]}
+    check(limits["probed A"]["used"] == [-30, -30], limits)
+    check(0 < limits["limits.correction_um"]["used"] < limits["limits.correction_um"]["allowed"], limits)
+    check("limits.correction_um" in result.stdout, result.stdout)
 
 
 def main():
-    for case in (dialects, refusals, compensated_by_tables):
+    cases = (dialects, refusals, limits_and_assumptions, compensated_by_tables)
+    for case in cases:
         with tempfile.TemporaryDirectory() as name:
             case(pathlib.Path(name))
-    print("correct: 3 cases passed")
+    print(f"correct: {len(cases)} cases passed")
 
 
 main()

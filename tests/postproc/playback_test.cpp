@@ -76,6 +76,70 @@ TEST(Playback, TellsWhatTheVirtualMachineTells) {
     }
 }
 
+const LimitUse& limit_named(const PlaybackResult& result, const std::string& name) {
+  for (const LimitUse& use : result.limits)
+    if (use.limit == name) return use;
+  throw std::runtime_error(name);
+}
+
+/// Behind a refused move the play goes on where all axes are known again; behind a lasting refusal all is a copy.
+TEST(Playback, PassesOverWhatWasRefused) {
+  Shop shop;
+  shop.how.scan.keep_going = true;
+  shop.how.keep_insertions = true;
+  const std::string program =
+      "G21 G90 G0 X10 Y20 Z30 A-40 C50\nG1 X11 F500\nG81 X12 Z5 R6\nG0 X12\nX10 Y20 Z30 A-40 C50\nG1 X12 F500\n"
+      "G68 R30\nG1 X14 A-45\nM2\n";
+  std::string corrected = shop.correct(program);
+  ASSERT_EQ(shop.result.refusals.size(), 2u);
+  const PlaybackResult result = played(shop, program, corrected);
+  EXPECT_EQ(result.refused, 2u);
+  EXPECT_EQ(result.copied_from, 7u);
+  EXPECT_EQ(result.moves, 4u);
+  EXPECT_GT(result.before.largest_tip_mm, 0.01);
+  EXPECT_LT(result.after.largest_tip_mm, 3e-4);
+  corrected.replace(corrected.find("X14"), 3, "X15");
+  EXPECT_THROW(played(shop, program, corrected), InputError);
+}
+
+/// A block beyond a stroke is copied: the machine stands uncorrected there, and the next is judged by its end.
+TEST(Playback, PassesOverWhatWasOutOfRange) {
+  Shop shop;
+  shop.how.scan.keep_going = true;
+  shop.how.keep_insertions = true;
+  shop.how.guard.stroke[0] = {-100, 60};
+  shop.how.scan.tcp = false;
+  const std::string program = "G21 G90 G0 X10 Y20 Z30 A-40 C50\nG1 X59.5 F500\nX60.1\nX40\nM2\n";
+  const PlaybackResult result = played(shop, program, shop.correct(program));
+  ASSERT_EQ(shop.result.refusals.size(), 1u);
+  EXPECT_EQ(result.refused, 1u);
+  EXPECT_EQ(result.copied_from, 0u);
+  EXPECT_LT(result.after.largest_tip_mm, 3e-4);
+}
+
+TEST(Playback, TellsHowMuchOfEveryLimitIsUsed) {
+  Shop shop;
+  shop.how.keep_insertions = true;
+  shop.how.scan.tcp = false;
+  shop.how.guard.stroke[0] = {-100, 60};
+  const std::string program = "G21 G90 G0 X10 Y20 Z30 A-40 C50\nG1 X50 F500\nA-60 C55\nX-20\nM2\n";
+  const PlaybackResult result = played(shop, program, shop.correct(program));
+  const LimitUse &x = limit_named(result, "axis.X.range_mm"), &probed = limit_named(result, "probed A");
+  EXPECT_NEAR(*x.low, -20, 0.2);
+  EXPECT_NEAR(x.high, 50, 0.2);
+  EXPECT_EQ(x.low_line, 4u);
+  EXPECT_EQ(x.allowed_high, 60);
+  EXPECT_NEAR(*probed.low, -60, 1e-9);
+  EXPECT_NEAR(probed.high, -40, 1e-9);
+  EXPECT_NEAR(*probed.allowed_low, -120, 1e-9);
+  // The same as the corrector found, by another way.
+  const CorrectionCounts& counts = shop.result.counts;
+  EXPECT_NEAR(limit_named(result, "limits.correction_um").high, 1e3 * counts.largest_deviation_mm, 0.01);
+  EXPECT_NEAR(limit_named(result, "limits.correction_urad").high, 1e6 * counts.largest_tilt_rad, 0.1);
+  // The corrector's largest change is of pieces, the limit's of whole blocks.
+  EXPECT_GT(limit_named(result, "limits.change_um").high, 1e3 * counts.largest_position_change_mm - 0.2);
+}
+
 TEST(Playback, KnowsTheSensesOfTheSlides) {
   Shop shop;
   shop.field.slide_reversal_mm = 0.004;

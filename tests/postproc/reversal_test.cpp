@@ -63,5 +63,56 @@ TEST(Reversal, KeepsTheDurationOfTheWay) {
   EXPECT_EQ(with_feed, 27U) << corrected;  // 25 moves and two that take up
 }
 
+/// An arc at whose begin an axis turns round becomes lines, the first of which takes up.
+TEST(Reversal, IsTakenUpBeforeAnArc) {
+  Shop shop("w C' A' Y' b X Z t", 0.1);
+  shop.field.turn_reversal_rad = kLost_rad;
+  shop.how.keep_insertions = true;
+  const std::string program =
+      "G21 G90 G94\nG0 X60 Y20 Z40 A-30 C0\nF500\nG1 C0.5\nG3 X59.9 Y20.1 I-0.1 C0.4\nG1 C0.3\nM2\n";
+  const std::string corrected = shop.correct(program);
+  SCOPED_TRACE(corrected);
+  ASSERT_EQ(shop.result.inserted.size(), 1U);
+  EXPECT_TRUE(shop.result.inserted[0].takes_up);
+  EXPECT_EQ(shop.result.inserted[0].line, 5U);
+  EXPECT_EQ(shop.result.counts.reversals_left, 0U);
+  EXPECT_LT(left_of(shop, program, corrected).largest_tip_mm, 0.5e-3);
+}
+
+/// X and Y turn round on a full circle: nothing is taken up on the way, and what that leaves is told.
+TEST(Reversal, InsideAnArcIsCounted) {
+  Shop shop("w C' A' Y' b X Z t", 0.1);
+  shop.field.slide_reversal_mm = 0.003;
+  shop.how.scan.tcp = false;
+  shop.how.scan.follow_senses = true;
+  shop.how.scan.chain = &shop.chain;
+  shop.correct("G21 G90 G94\nG0 X60 Y20 Z40 A-30 C0\nF500\nG1 X61\nG3 X61 Y20 I-10\nM2\n");
+  const CorrectionCounts& counts = shop.result.counts;
+  EXPECT_EQ(counts.reversals_left, 1U);
+  EXPECT_EQ(counts.largest_reversal_left_line, 5U);
+  EXPECT_NEAR(counts.largest_reversal_left_mm, 0.003 * std::sqrt(2.0), 2e-4);
+  shop.correct("G21 G90 G94\nG0 X60 Y20 Z40 A-30 C0\nF500\nG1 X61\nX62\nM2\n");
+  EXPECT_EQ(shop.result.counts.reversals_left, 0U);
+}
+
+/// Before a block that cannot be divided there is no place for a block more.
+TEST(Reversal, BeforeABlockThatCannotBeDividedIsCounted) {
+  Shop shop("w C' A' Y' b X Z t", 0.1);
+  shop.field.turn_reversal_rad = kLost_rad;
+  shop.correct("G21 G90 G94\nG0 X60 Y20 Z40 A-30 C0\nF500\nG1 C0.5\nG1 X59.5 C0.4 M0\nM2\n");
+  EXPECT_EQ(shop.result.counts.reversals_left, 1U);
+  EXPECT_EQ(shop.result.counts.largest_reversal_left_line, 5U);
+  EXPECT_GT(shop.result.counts.largest_reversal_left_mm, 1e-3);
+}
+
+TEST(Duration, OfMovesThatTellNoneIsCounted) {
+  Shop shop("w C' A' Y' b X Z t", 0.1);
+  shop.field.drift_mm_per_s = 1e-5;
+  shop.how.scan.follow_time = true;
+  shop.correct("G21 G90 G94\nG0 X60 Y20 Z40 A-30 C0\nG1 X61 F500\nG0 X62\nG95 G1 X63 F0.1\nG94 X64 F500\nM2\n");
+  EXPECT_EQ(shop.result.counts.untimed_moves, 3U);
+  EXPECT_EQ(shop.result.counts.first_untimed_line, 2U);
+}
+
 }  // namespace
 }  // namespace trunnion
