@@ -202,7 +202,10 @@ std::string verification_text(const Verification& v, const Machine& machine) {
 }
 
 TableSet make_tables(const Controller& controller, const Machine& machine, const Model& model,
-                     const TableOptions& options) {
+                     const TableOptions& options, const std::function<void(const std::string&)>& progress) {
+  const auto tell = [&](const std::string& step) {
+    if (progress) progress(step);
+  };
   const CompensationTask task(machine, model, options, controller.questions);
   const auto rms_of = [&](const std::vector<Situation>& sample, Angle spacing, Emission emission) {
     return spread(model, task.chain, sample, *controller.play(controller.emit(task, spacing, emission), task))
@@ -215,8 +218,11 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
   const bool chosen = options.tilt_spacing > Angle() && options.turn_spacing > Angle();
   if (chosen) spacing = std::min(options.tilt_spacing, options.turn_spacing);
   if (!chosen && controller.spacings.size() > 1) {
+    tell("nodes as dense as they may be");
     const double dense = rms_of(few, controller.spacings.back(), {1, false});
+    std::size_t tried = 0;
     for (const Angle candidate : controller.spacings) {
+      tell("spacing " + std::to_string(++tried) + " of at most " + std::to_string(controller.spacings.size()));
       if (candidate != controller.spacings.front() && !within_limits(controller, task, candidate)) break;
       spacing = candidate;
       if (lost(rms_of(few, candidate, {1, false}), dense) <=
@@ -225,6 +231,7 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
     }
   }
 
+  tell("tables written and played");
   std::vector<TableFile> files = controller.emit(task, spacing, {});
   const auto played = controller.play(files, task);
   const std::vector<Situation> sample = pose_sample(task.volume, model, kVerified, kFirstVerified);
@@ -239,6 +246,7 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
   v.before = spread(model, task.chain, sample, Nothing());
   v.ideal = spread(model, task.chain, sample, Ideal(task));
   v.tables = spread(model, task.chain, sample, *played);
+  tell("what is lost to format and spacing");
   const double exact = rms_of(sample, spacing, {1, false});
   const int refined = controller.spacings.size() > 1 ? 4 : 1;
   const auto dense = controller.play(controller.emit(task, spacing, {refined, false}), task);

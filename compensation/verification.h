@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "compensation/controller.h"
 #include "compensation/lost_terms.h"
 
@@ -51,8 +53,9 @@ struct TableSet {
 /// Projects, writes, reads back, plays and judges. The spacing is the coarsest that costs less than 0.05 um or a
 /// twentieth of what the format loses anyway, unless the options say one. Throws RangeError where a limit of the
 /// control or of the machine file is exceeded, RefusalError where the set would not make the machine better.
+/// `progress` is told what is being done, for people.
 TableSet make_tables(const Controller& controller, const Machine& machine, const Model& model,
-                     const TableOptions& options);
+                     const TableOptions& options, const std::function<void(const std::string& step)>& progress = {});
 
 /// The folder that make_tables wrote, played: what `predict` and `identify --active` need.
 std::unique_ptr<PlayedCompensation> play_tables(const std::vector<TableFile>& files, const Machine& machine,

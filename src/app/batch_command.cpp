@@ -6,6 +6,7 @@
 
 #include "app/command.h"
 #include "app/fleet.h"
+#include "app/progress.h"
 #include "error.h"
 #include "io/batch_file.h"
 #include "io/json_text.h"
@@ -31,7 +32,10 @@ void check_words(const Options& o) {
 
 int merge(const Options& o, const BatchPlan& plan, const std::vector<BatchJob>& jobs,
           const std::vector<std::string>& prints, const Talk& talk) {
-  const nlohmann::json fleet = fleet_json(plan, jobs, prints);
+  const nlohmann::json fleet = [&] {
+    Progress progress(talk, "gather", static_cast<double>(jobs.size()), "jobs");
+    return fleet_json(plan, jobs, prints, [&](std::size_t done) { progress.at(static_cast<double>(done)); });
+  }();
   OutputFolder folder(o.output, {o.plan});
   folder.add("fleet.json", json_text(fleet));
   folder.add("fleet.csv", fleet_csv(fleet));
@@ -51,7 +55,10 @@ int run(const Options& o, const Talk& talk) {
   check_words(o);
   const BatchPlan plan = read_batch_plan(o.plan);
   const std::vector<BatchJob> jobs = batch_jobs(plan, o.output);
-  const std::vector<std::string> prints = fingerprints(jobs);
+  const std::vector<std::string> prints = [&] {
+    Progress progress(talk, "read inputs", static_cast<double>(jobs.size()), "jobs");
+    return fingerprints(jobs, [&](std::size_t done) { progress.at(static_cast<double>(done)); });
+  }();
   if (o.merge) return merge(o, plan, jobs, prints, talk);
   std::map<int, std::string> stages;
   std::map<int, std::size_t> counts;

@@ -194,8 +194,10 @@ int run(const Options& o, const Talk& talk) {
   }
   ClosureResult result;
   {
-    const Progress progress(talk, "search " + std::to_string(all.rows.size()) + " readings");
-    result = close_loop(all, calibration_rows, machine);
+    Progress progress(talk, "search " + std::to_string(all.rows.size()) + " readings");
+    ClosureOptions options;
+    options.progress = [&](const std::string& step) { progress.now(step); };
+    result = close_loop(all, calibration_rows, machine, options);
   }
   const std::vector<NextMeasurement> next =
       next_measurements(result, result.thinned && !piece ? *result.thinned : touched, machine);

@@ -83,7 +83,7 @@ json summary_of(const BatchJob& job, const json& result) {
 
 }  // namespace
 
-std::vector<std::string> fingerprints(const std::vector<BatchJob>& jobs) {
+std::vector<std::string> fingerprints(const std::vector<BatchJob>& jobs, const JobsDone& progress) {
   std::map<std::string, std::string> digits_of;  // programs and pieces are shared by all machines
   std::vector<std::string> all;
   for (const BatchJob& job : jobs) {
@@ -97,6 +97,7 @@ std::vector<std::string> fingerprints(const std::vector<BatchJob>& jobs) {
     }
     for (const std::size_t earlier : job.after) add(all[earlier]);
     all.push_back(sha256_hex(text).substr(0, kFingerprintDigits));
+    if (progress) progress(all.size());
   }
   return all;
 }
@@ -112,8 +113,8 @@ std::optional<int> job_status(const BatchJob& job, const std::string& fingerprin
   return std::nullopt;
 }
 
-json fleet_json(const BatchPlan& plan, const std::vector<BatchJob>& jobs,
-                const std::vector<std::string>& fingerprints) {
+json fleet_json(const BatchPlan& plan, const std::vector<BatchJob>& jobs, const std::vector<std::string>& fingerprints,
+                const JobsDone& progress) {
   json fleet = {{"format", "trunnion-fleet"}, {"version", 1}, {"missing", json::array()}};
   std::map<std::string, json> machines;
   for (std::size_t k = 0; k < jobs.size(); ++k) {
@@ -128,6 +129,7 @@ json fleet_json(const BatchPlan& plan, const std::vector<BatchJob>& jobs,
         entry["found"] = summary_of(job, parse_json(read_text(job.result), job.result));
     }
     machines[job.machine].push_back(std::move(entry));
+    if (progress) progress(k + 1);
   }
   fleet["machines"] = json::array();
   for (const BatchMachine& machine : plan.machines)

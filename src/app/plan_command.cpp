@@ -159,9 +159,11 @@ int run(const Options& o, const Talk& talk) {
   ObservationSet set = o.observations.empty() ? so_far : ObservationSet{};
   if (!o.separate.empty()) {
     if (o.separate.size() > 2) throw UsageError("--separate: one effect, or two with a comma between");
-    const Progress progress(talk, "plan");
+    Progress progress(talk, "plan", static_cast<double>(o.visits), "visits");
     const double spent_min = o.observations.empty() ? duration_min(so_far) : 0;
-    power = plan_for_power(so_far, machine, spots, {o.separate}, {o.visits, 60 * (o.minutes - spent_min), pace});
+    power = plan_for_power(so_far, machine, spots, {o.separate},
+                           {o.visits, 60 * (o.minutes - spent_min), pace,
+                            [&](std::size_t visits) { progress.at(static_cast<double>(visits)); }});
     if (power.visits.empty() && !o.observations.empty())
       throw UsageError("--minutes " + formatted("%g", o.minutes) + ": no further visit is that short");
     visits.insert(visits.end(), power.visits.begin(), power.visits.end());

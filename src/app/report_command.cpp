@@ -10,6 +10,7 @@
 #include <set>
 
 #include "app/command.h"
+#include "app/progress.h"
 #include "error.h"
 #include "io/csv.h"
 #include "io/json_text.h"
@@ -125,12 +126,21 @@ int run(const Options& o, const Talk& talk) {
   if (evidence.date.empty()) evidence.date = day_text(std::chrono::system_clock::now());
   std::vector<std::string> inputs;
   std::set<fs::path> seen;
+  std::vector<std::vector<fs::path>> found;
+  double total = 1;  // the page itself
   for (const std::string& folder : o.folders) {
     if (!fs::exists(folder)) throw InputError(folder, "no such folder");
-    std::vector<fs::path> files;
-    gather(folder, 0, files);
+    gather(folder, 0, found.emplace_back());
+    total += static_cast<double>(found.back().size());
+  }
+  std::optional<Progress> progress(std::in_place, talk, "report", total, "files");
+  double done = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const std::string& folder = o.folders[k];
+    const std::vector<fs::path>& files = found[k];
     const std::size_t before = evidence.results.size();
     for (const fs::path& file : files) {
+      progress->at(++done);
       if (!seen.insert(fs::canonical(file)).second) continue;
       if (auto result = read_result(file, inputs)) {
         result->path = name_of(file, folder);
@@ -145,6 +155,7 @@ int run(const Options& o, const Talk& talk) {
   if (evidence.results.empty())
     throw InputError(o.folders.front(), "results of trunnion's commands are wanted, none found");
   const std::string page = page_html(evidence);
+  progress.reset();
   write_whole(o.output, page, inputs);
   if (talk.json) {
     nlohmann::json summary = {

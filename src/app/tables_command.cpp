@@ -87,8 +87,8 @@ int run(const Options& o, const Talk& talk) {
   const std::set<std::string> before = standing_set(o.output);
   TableSet set;
   try {
-    const Progress progress(talk, "tables for " + std::string(controller.name));
-    set = make_tables(controller, machine, model, options);
+    Progress progress(talk, "tables for " + std::string(controller.name));
+    set = make_tables(controller, machine, model, options, [&](const std::string& step) { progress.now(step); });
   } catch (const Error&) {
     remove_all_of(o.output, before);  // nothing load-ready is left of an earlier set either
     throw;

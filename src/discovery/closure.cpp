@@ -65,17 +65,27 @@ class Search {
     for (const Reading& reading : bench_.problem().readings)
       sum += std::pow(reading.sigma * (reading.angular ? 1e5 : 1e3), 2);
     result_.noise_um = std::sqrt(sum / static_cast<double>(bench_.problem().readings.size()));
+    tell("readings far off");
     bench_.find_chips();
     refit();
-    while (static_cast<int>(bench_.accepted.size()) < options_.most_effects && step()) {
+    while (static_cast<int>(bench_.accepted.size()) < options_.most_effects) {
+      tell("effect " + std::to_string(bench_.accepted.size() + 1) + " of at most " +
+           std::to_string(options_.most_effects) + " among " + std::to_string(screen_.column_count()) + " columns");
+      if (!step()) break;
     }
+    tell("what was found, looked at together");
     check_backward();
     settle_shapes();
+    tell("verdict and what data cannot tell apart");
     conclude(result_, bench_, screen_, machine_, options_);
     return std::move(result_);
   }
 
  private:
+  void tell(const std::string& step) const {
+    if (options_.progress) options_.progress(step);
+  }
+
   void collect_candidates() {
     std::vector<Candidate> found;
     for (const Family& family : catalogue()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ struct ClosureOptions {
   int folds = 5;  ///< of poses, where there is no verification
   std::size_t most_readings =
       8000;  ///< of a longer log, one reading of each run of so many is searched, drawn at random
+  std::function<void(const std::string& step)> progress = {};  ///< told what is being done, for people
 };
 
 enum class Verdict { nothing_missing, explained, partly_explained, unexplained };

@@ -187,6 +187,7 @@ PowerPlan plan_for_power(const ObservationSet& so_far, const Machine& machine, c
     now_s = chosen.rows.back().time_s;
     readings = joined(readings, chosen);
     plan.visits.push_back(possible[best]);
+    if (options.progress) options.progress(plan.visits.size());
   }
   return plan;
 }

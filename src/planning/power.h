@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct PowerOptions {
   std::size_t visits = 6;
   double most_s = std::numeric_limits<double>::infinity();  ///< that the visits may take together
   PlanOptions pace;
+  std::function<void(std::size_t visits)> progress = {};  ///< told how many visits are chosen
 };
 
 /// The visits after those of `so_far` that tell most about the effects: one after the other, each the best of some two

@@ -42,7 +42,13 @@ def main():
     with open(long, "w", encoding="utf-8") as file:
         file.writelines(part[:at] + [part[at].replace("X0.000", f"X0.0{k % 100}") for k in range(1000000)] + part[at:])
 
+    study = source / "samples/probing/machine-01"
     long_ones = {
+        "plan": (["plan", *on, "--observations", readings, "--separate", "backlash:A,thermal_drift", "--visits", "40", "-o", out / "long.csv"],
+                 COUNTED % ("plan", "visits")),
+        "close": (["close", "--machine", study / "machine.toml", "--observations", study / "observations.csv", "--verification",
+                   study / "verification.csv", "-o", out / "long_close"],
+                  r"\rsearch 982 readings: (readings far off|effect \d of at most \d among \d+ columns), [\d.]+ s"),
         "predict": ([*predict, "--draws", "1000000"], COUNTED % ("draws of uncompensated", "draws")),
         "evaluate": (["evaluate", *model, "--at", many, "-o", out / "many_out.csv"], COUNTED % ("evaluate", "rows")),
         "correct": (["correct", *model, "--job", samples / "correct/job.toml", long, "-o", out / "long_out.ngc", "--report", out / "long.json"],
@@ -64,10 +70,11 @@ def main():
         "identify": (["identify", *on, "--observations", readings, "-o", out / "again.json"], "identify from 219 readings"),
         "close": (["close", *on, "--observations", readings, "-o", out / "closed"], "search 219 readings"),
         "plan": (["plan", *on, "--observations", readings, "--separate", "backlash:A", "--visits", "1", "-o", out / "next.csv"],
-                 "plan"),
+                 "plan: 1 visits in"),
         "tables": (["tables", *model, "--controller", "linuxcnc", "-o", out / "tables"], "tables for linuxcnc"),
         "predict": (short, "draws of uncompensated: 100 draws in"),
         "evaluate": (["evaluate", *model, "--at", samples / "calibrate/positions.csv", "-o", out / "d.csv"], "evaluate: 36 rows in"),
+        "report": (["report", out / "model.json", "-o", out / "page.html"], r"report: 1 files in"),
     }
     for name, (words, what) in told.items():
         done = subprocess.run([program, *map(str, words), "--verbose"], capture_output=True, text=True, check=True)
