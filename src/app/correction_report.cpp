@@ -1,5 +1,6 @@
 #include "app/correction_report.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/text_table.h"
@@ -33,16 +34,17 @@ nlohmann::json along_json(const PathTrace& along) {
 }
 
 nlohmann::json limits_json(const std::vector<LimitUse>& limits) {
+  const auto plain = [](double value) { return std::round(1e9 * value) / 1e9; };  // degrees were radians
   nlohmann::json list = nlohmann::json::array();
   for (const LimitUse& use : limits) {
     nlohmann::json j = {{"limit", use.limit}, {"unit", use.unit}};
     if (use.low) {
-      j["used"] = {*use.low, use.high};
-      j["allowed"] = {*use.allowed_low, use.allowed_high};
+      j["used"] = {plain(*use.low), plain(use.high)};
+      j["allowed"] = {plain(*use.allowed_low), plain(use.allowed_high)};
       j["lines"] = {use.low_line, use.high_line};
     } else {
-      j["used"] = use.high;
-      j["allowed"] = use.allowed_high;
+      j["used"] = plain(use.high);
+      j["allowed"] = plain(use.allowed_high);
       j["line"] = use.high_line;
     }
     list.push_back(std::move(j));
