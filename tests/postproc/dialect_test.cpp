@@ -201,6 +201,26 @@ TEST(Dialects, CorrectOnOtherStructures) {
   }
 }
 
+Assumptions assumed(const char* dialect, const std::string& program) {
+  Shop shop = shop_of(dialect);
+  shop.correct(program);
+  return shop.result.counts.assumptions;
+}
+
+TEST(Dialects, TellWhatNobodyHasConfirmed) {
+  const std::string klartext = "1 L A-30 C+10 FMAX\n2 M128\n3 L X+1 Y+1 Z+2 FMAX\n4 L X+1.5 F50\n";
+  EXPECT_EQ(assumed("heidenhain", "0 BEGIN PGM A MM\n" + klartext), 0);
+  EXPECT_EQ(assumed("heidenhain", "0 BEGIN PGM A INCH\n" + klartext), only(Assumption::feed_in_tenths_of_inch));
+  const std::string turn = "G0 A=-30 C=10\nG0 X1 Y2 Z50\nG1 X2 A=-32 C=11 F500\n";
+  EXPECT_EQ(assumed("sinumerik", "TRAORI\nORIAXES\n" + turn), 0);
+  EXPECT_EQ(assumed("sinumerik", "TRAORI\nORIVECT\n" + turn), only(Assumption::great_circle));
+  EXPECT_EQ(assumed("sinumerik", "G58\n" + turn), only(Assumption::offset_without_words));
+  const std::string fanuc = "G21 G90\nG0 X1. Y2. Z50. A-30. C10.\nG1 X2. F500.\n";
+  EXPECT_EQ(assumed("fanuc", fanuc), 0);
+  EXPECT_EQ(assumed("fanuc", "G5 P10000\n" + fanuc), only(Assumption::high_speed_by_number));
+  EXPECT_EQ(assumed("fanuc", fanuc + "A-60. C100.\n"), only(Assumption::feed_over_all_axes));
+}
+
 TEST(Dialects, AreToldByTheirPrograms) {
   EXPECT_EQ(told_dialect("0 BEGIN PGM A MM\n"), "heidenhain");
   EXPECT_EQ(told_dialect("N10 traori\n"), "sinumerik");

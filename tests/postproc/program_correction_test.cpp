@@ -284,6 +284,18 @@ TEST(ProgramCorrection, KeepsWithinLimitsAndStrokes) {
   EXPECT_EQ(shop.refusal("G0 X1 Y1 Z1 A0 C0\nA-121\n"), "part.ngc:2: A-121: outside the probed range -120 ... 120 deg");
 }
 
+/// Where the head tilts the tool, its tip is elsewhere than the slides.
+TEST(ProgramCorrection, JudgesStrokesByTheSlidesOfAHead) {
+  Shop shop("w C' b X Y Z A t");
+  shop.settings.tool_length_mm = 80;
+  shop.how.scan.tcp = false;
+  shop.how.guard.stroke[1] = {-1, 1};
+  const std::string program = "G21 G90 G0 X10 Y0 Z50 A-40 C10\n";
+  EXPECT_THAT(shop.refusal(program), ::testing::HasSubstr("corrected by"));
+  shop.how.scan.tcp = true;
+  EXPECT_THAT(shop.refusal(program), ::testing::HasSubstr("Y would go to"));
+}
+
 TEST(ProgramCorrection, RefusesACorrectionThatLeaps) {
   const std::string program = "G0 X10 Y20 Z30 A-40 C0\nG1 X12 A-60 C90 F100\n";
   Shop shop;
