@@ -5,10 +5,13 @@
 
 - A job that says compensated_by = "tables": only what the tables leave is corrected.
 - A dialect is told by the program, and the report says what was done.
-- After a refusal nothing stands in the folder; with --keep-going the rest is corrected and the exit status is 1.
+- After a refusal nothing stands in the folder; with --keep-going the rest is corrected, played back, and the exit status is 1.
+- The report tells how much of every limit is used. --decimals is obeyed. 64 MiB are enough for a long program.
 """
 import json
+import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -93,8 +96,29 @@ def limits_and_assumptions(folder):
     check("limits.correction_um" in result.stdout, result.stdout)
 
 
+def decimals_and_memory(folder):
+    """The digits asked for; and a long program takes no more memory than a short one."""
+    (folder / "job.toml").write_text("[work_offsets_mm]\nG54 = [0, 0, 0]\n")
+    head = "%\nG21 G90\nG0 X0 Y10 Z50 A-30 C10\nF500\n"
+    (folder / "short.ngc").write_text(head + "G1 X1.5\nX1.75\nM2\n%\n")
+    for digits in (3, 5):
+        result, _ = correct(folder, "short.ngc", "job.toml", "--decimals", digits)
+        check(result.returncode == 0, result.stderr)
+        words = re.findall(r"^G1 X(\S+)", (folder / "out.nc").read_text(), re.M)
+        check(len(words) == 1 and len(words[0].partition(".")[2]) == digits, (digits, words))
+    with open(folder / "long.ngc", "w", encoding="utf-8") as file:
+        file.write(head)
+        for k in range(40):
+            file.write("".join(f"G1 X{0.01 * (i % 3000):.3f} Y{10 + k} Z50. A-30.5 C{10 + 0.001 * i:.3f}\n" for i in range(10000)))
+        file.write("M2\n%\n")
+    words = ["correct", "--machine", MACHINE, "--model", MODEL, "--job", "job.toml", "long.ngc", "-o", "long_out.ngc", "--quiet"]
+    child = subprocess.Popen([str(a) for a in [PROGRAM, *words]], cwd=folder, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(child.pid, 0)
+    check(status == 0 and used.ru_maxrss < 64 * 1024, (status, used.ru_maxrss))
+
+
 def main():
-    cases = (dialects, refusals, limits_and_assumptions, compensated_by_tables)
+    cases = (dialects, refusals, limits_and_assumptions, decimals_and_memory, compensated_by_tables)
     for case in cases:
         with tempfile.TemporaryDirectory() as name:
             case(pathlib.Path(name))
