@@ -163,7 +163,7 @@ int run(const Options& o, const Talk& talk) {
     const double spent_min = o.observations.empty() ? duration_min(so_far) : 0;
     power = plan_for_power(so_far, machine, spots, {o.separate},
                            {o.visits, 60 * (o.minutes - spent_min), pace,
-                            [&](std::size_t visits) { progress.at(static_cast<double>(visits)); }});
+                            [&](std::size_t done) { progress.at(static_cast<double>(done)); }});
     if (power.visits.empty() && !o.observations.empty())
       throw UsageError("--minutes " + formatted("%g", o.minutes) + ": no further visit is that short");
     visits.insert(visits.end(), power.visits.begin(), power.visits.end());
