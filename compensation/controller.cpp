@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "compensation/controllers/controllers.h"
 #include "compensation/limits.h"
@@ -43,6 +44,22 @@ const Controller& controller_named(const std::string& name) {
   throw UsageError("controller \"" + name + "\": not known; the nearest is \"" + nearest_name(name, names) + "\"");
 }
 
+void refuse_unknown_keys(const Controller& controller, const Machine& machine) {
+  const auto keys_of = [](const Controller& c) {
+    std::vector<std::string_view> keys;
+    for (const ProfileItem& item : c.questions.items) keys.emplace_back(item.key);
+    for (const ProfileNumber& number : c.questions.numbers) keys.emplace_back(number.key);
+    return keys;
+  };
+  std::set<std::string_view> known;
+  for (const Controller& c : controllers())
+    for (const std::string_view key : keys_of(c)) known.insert(key);
+  for (const auto& [key, value] : machine.profile)
+    if (key.find('.') == std::string::npos && !known.contains(key))
+      throw ModelError("profile." + key + ": not known; the nearest that " + std::string(controller.name) +
+                       " asks for is \"" + nearest_name(key, keys_of(controller)) + "\"");
+}
+
 std::map<char, long> axis_numbers(const CompensationTask& task) {
   std::map<char, long> numbers;
   for (const char letter : {'X', 'Y', 'Z', task.machine.tilt_letter(), 'C'}) {
@@ -75,6 +92,13 @@ std::string provenance(const CompensationTask& task) {
   for (char& letter : text)
     if (letter == '\n' || letter == '\r' || letter == ';' || letter == '*') letter = ' ';
   return task.options.date.empty() ? text : text + ", " + task.options.date;
+}
+
+std::string comment_header(const CompensationTask& task, std::string_view mark) {
+  const std::string begin = std::string(mark) + " ";
+  std::string text = begin + provenance(task) + "\n";
+  if (!task.profile.load_ready()) text += begin + std::string(kNotLoadReady) + ": see COMMISSIONING.md\n";
+  return text;
 }
 
 }  // namespace trunnion

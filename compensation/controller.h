@@ -67,6 +67,8 @@ struct Controller {
   std::function<std::unique_ptr<PlayedCompensation>(const std::vector<TableFile>&, const CompensationTask&)> play;
   /// Where the files go, which machine data, in which order, and how to undo it: Markdown.
   std::function<std::string(const CompensationTask&, const std::vector<TableFile>&)> loading;
+  /// Ends of the names of files that take no comments: what they are, only their names and LOADING.md can say.
+  std::vector<std::string_view> no_comments;
   /// Small tables that settle the open questions; may be empty.
   std::function<std::vector<TableFile>(const CompensationTask&)> commissioning;
 };
@@ -76,6 +78,10 @@ const std::vector<Controller>& controllers();
 /// Throws UsageError naming the nearest.
 const Controller& controller_named(const std::string& name);
 
+/// Throws ModelError for a word of [profile] that no controller asks for, naming the nearest of `controller`; what
+/// stands in tables below [profile] is the user's.
+void refuse_unknown_keys(const Controller& controller, const Machine& machine);
+
 /// The numbers of the five axes on the control by the profile (axis_number_X …). Throws ModelError where two are alike.
 std::map<char, long> axis_numbers(const CompensationTask& task);
 
@@ -84,5 +90,11 @@ std::string model_fingerprint(const Model& model);
 
 /// "Middle-size trunnion, serial 0001, model 0123456789abcdef, 2026-11-23": what every header says.
 std::string provenance(const CompensationTask& task);
+
+/// What a draft says of itself.
+inline constexpr std::string_view kNotLoadReady = "DRAFT, NOT LOAD-READY";
+/// The first lines of a file that takes comments behind `mark`: whose it is and, while a question is open, that it is a
+/// draft.
+std::string comment_header(const CompensationTask& task, std::string_view mark);
 
 }  // namespace trunnion

@@ -23,11 +23,22 @@ class PiecewiseLinear {
   const std::vector<double>& nodes() const { return nodes_; }
   /// The points at which a function is to be sampled: the nodes and `between` points in every gap.
   std::vector<double> sample_points(int between) const;
-  /// P for samples at `points`: nodes x points; with Boundary::repeat first and last row agree.
-  /// Where the control counts from one of the nodes, that one is `pinned` to zero and the others do what they can.
-  Eigen::MatrixXd projector(const std::vector<double>& points, std::optional<std::size_t> pinned = {}) const;
+  /// P for samples at `points`: nodes x points; with Boundary::repeat first and last row agree. With `zero_at` the
+  /// nearest among those functions that are zero there.
+  Eigen::MatrixXd projector(const std::vector<double>& points, std::optional<double> zero_at = {}) const;
+
+  /// The weights h_i(x): f(x) = h . v.
+  Eigen::VectorXd weights(double x) const;
+  /// How the nearest function gives way where it must be higher by one at `x`, with N = H^T H over the points:
+  ///   y = N^-1 h(x) / (h(x)^T N^-1 h(x)),
+  /// what is added to v to meet f(x) = f0 being (f0 - h . v) y. Over two axes it is the product of both.
+  Eigen::VectorXd yielding(const std::vector<double>& points, double x) const;
 
  private:
+  Eigen::Index unknowns() const;
+  Eigen::MatrixXd hats(const std::vector<double>& points) const;
+  Eigen::MatrixXd closed(const Eigen::MatrixXd& of_unknowns) const;
+
   std::vector<double> nodes_;
   Boundary boundary_;
 };

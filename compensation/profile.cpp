@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "error.h"
 
@@ -20,6 +21,17 @@ std::string wanted(const ProfileItem& item) {
   std::string text;
   for (const std::string& answer : item.answers) text += (text.empty() ? "\"" : ", \"") + answer + "\"";
   return text + " is wanted, followed by \" confirmed\" once it was seen on the machine";
+}
+
+bool allowed(const ProfileNumber& number, double value) {
+  if (!(value >= number.low && value <= number.high)) return false;
+  return number.step == 0 || std::fmod(value - number.low, number.step) == 0;
+}
+
+std::string wanted(const ProfileNumber& number) {
+  if (number.step == number.high - number.low) return shown(number.low) + " or " + shown(number.high) + " is wanted";
+  return std::string(number.step == 0 ? "a number" : "a whole number") + " from " + shown(number.low) + " to " +
+         shown(number.high) + " is wanted";
 }
 
 }  // namespace
@@ -53,9 +65,8 @@ Profile::Profile(const Machine& machine, ProfileQuestions questions, Reversal re
     double value = number.standard;
     if (const auto found = machine.profile.find(number.key); found != machine.profile.end()) {
       const auto* given = std::get_if<double>(&found->second);
-      if (given == nullptr || !(*given >= number.low && *given <= number.high))
-        throw ModelError("profile." + number.key + ": " + shown(found->second) + " found, a number from " +
-                         shown(number.low) + " to " + shown(number.high) + " is wanted");
+      if (given == nullptr || !allowed(number, *given))
+        throw ModelError("profile." + number.key + ": " + shown(found->second) + " found, " + wanted(number));
       value = *given;
     }
     numbers_[number.key] = value;

@@ -25,6 +25,7 @@ struct ProfileNumber {
   std::string meaning;
   double standard = 0;
   double low = 0, high = 0;  ///< what it may be
+  double step = 0;           ///< from `low` on: 1 for what is counted, 2 for -1 or 1, 0 for anything between
 };
 
 /// Whether a set holds values that differ with the sense of motion.

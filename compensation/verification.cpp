@@ -7,6 +7,7 @@
 
 #include "compensation/limits.h"
 #include "compensation/number_text.h"
+#include "compensation/set_documents.h"
 #include "error.h"
 #include "units/number_text.h"
 
@@ -48,18 +49,6 @@ double lost(double with_mm, double without_mm) {
   return std::sqrt(std::max(0.0, with_mm * with_mm - without_mm * without_mm));
 }
 
-std::string draft_name(const std::string& name) {
-  const std::size_t slash = name.rfind('/');
-  const std::size_t dot = name.find('.', slash == std::string::npos ? 0 : slash);
-  return dot == std::string::npos ? name + ".DRAFT" : name.substr(0, dot) + ".DRAFT" + name.substr(dot);
-}
-
-std::string final_name(std::string name) {
-  const std::size_t at = name.find(".DRAFT");
-  if (at != std::string::npos) name.erase(at, 6);
-  return name;
-}
-
 nlohmann::ordered_json volume_json(const WorkingVolume& v, char tilt) {
   const auto pair = [](double low, double high) { return nlohmann::ordered_json::array({low, high}); };
   const auto degrees = [&](Range<Angle> r) {
@@ -74,40 +63,22 @@ nlohmann::ordered_json volume_json(const WorkingVolume& v, char tilt) {
           {"tool_length_mm", v.tool_length.in_millimetres()}};
 }
 
-std::string loading_text(const Controller& controller, const CompensationTask& task, const Verification& verification,
-                         const std::vector<TableFile>& files) {
-  std::string text =
-      "# Loading this compensation: " + std::string(controller.title) + "\n\nMade for " + provenance(task) + ".\n";
-  if (!verification.load_ready()) {
-    text +=
-        "\n**NOT LOAD-READY.** These files are drafts: no public document settles what follows, and a wrong sign "
-        "doubles\n"
-        "the error. Do the commissioning test, write the answer into the machine file's [profile], make the tables "
-        "again.\n";
-    for (const ProfileItem& item : task.profile.unconfirmed())
-      text += "\n- `" + item.key + "`: " + item.question + " Assumed: \"" + task.profile.answer(item.key) +
-              "\".\n  Test: " + item.test + "\n";
-  }
-  text += "\n## What it does\n\n```\n" + verification_text(verification, task.machine) + "```\n";
-  if (!controller.cannot_hold.empty())
-    text += "\nWhat this control cannot hold: " + std::string(controller.cannot_hold) + "\n";
-  return text + "\n" + controller.loading(task, files);
-}
-
-std::string commissioning_text(const CompensationTask& task, const std::vector<TableFile>& files) {
-  std::string text = "# Commissioning tests\n\nFor " + provenance(task) +
-                     ". One at a time, each with every other compensation switched off.\n";
-  for (const ProfileItem& item : task.profile.unconfirmed()) {
-    text += "\n## " + item.key + "\n\n" + item.question + "\n\n" + item.test +
-            "\n\nEnter the answer in the machine file:\n\n```toml\n[profile]\n";
-    for (const std::string& answer : item.answers) text += "# " + item.key + " = \"" + answer + " confirmed\"\n";
-    text += "```\n";
-  }
-  if (!files.empty()) {
-    text += "\nSmall tables for these tests, one peak of 20 um or 0.005 deg each:\n\n";
-    for (const TableFile& file : files) text += "- `" + file.name + "`\n";
-  }
-  return text;
+std::optional<AtRest> at_rest(const CompensationTask& task, const PlayedCompensation& played) {
+  if (!reference_deg(task.volume)) return std::nullopt;
+  const WorkingVolume& v = task.volume;
+  AtRest most;
+  for (const Length x : {v.x.low, v.x.high})
+    for (const Length y : {v.y.low, v.y.high})
+      for (const Length z : {v.z.low, v.z.high}) {
+        Situation s;
+        s.point_r_mm = {x.in_millimetres(), y.in_millimetres(), z.in_millimetres()};
+        s.tool_length_mm = v.tool_length.in_millimetres();
+        const AxisCorrection c = played.at(s);
+        most.linear_mm = std::max(most.linear_mm, c.linear_mm.norm());
+        most.deviation_mm = std::max(most.deviation_mm, remaining({}, task.chain, s, c).position_mm.norm());
+        most.rotary_rad = std::max({most.rotary_rad, std::abs(c.tilt_rad), std::abs(c.turn_rad)});
+      }
+  return most;
 }
 
 }  // namespace
@@ -170,6 +141,11 @@ std::string verification_json(const Verification& v, const Machine& machine) {
   ordered_json terms = ordered_json::array();
   for (const LostTerm& term : v.lost_terms) terms.push_back({{"term", term.term}, {"um", um(term.position_rms_mm)}});
   j["lost_terms"] = std::move(terms);
+  j["at_reference"] = nullptr;
+  if (v.at_reference)
+    j["at_reference"] = {{"linear_um", um(v.at_reference->linear_mm)},
+                         {"rotary_urad", urad(v.at_reference->rotary_rad)},
+                         {"deviation_um", um(v.at_reference->deviation_mm)}};
   j["spacing_deg"] = rounded(v.spacing.in_degrees(), 9);
   j["worst_pose"] = {{std::string(1, machine.tilt_letter()) + "_deg", rounded(v.worst.at.a.in_degrees(), 6)},
                      {"C_deg", rounded(v.worst.at.c.in_degrees(), 6)},
@@ -190,6 +166,12 @@ std::string verification_text(const Verification& v, const Machine& machine) {
     terms += (terms.empty() ? "what the format does not take, um rms each by itself: " : ", ") + term.term +
              formatted(" %.3f", term.position_rms_mm * 1e3);
   if (!terms.empty()) terms += "\n";
+  if (v.at_reference)
+    terms += printed(
+        "at %c 0 C 0, where it is switched on, X Y Z move by %.3f um, %c and C by %.2f urad, tool against work by %.3f "
+        "um\n",
+        machine.tilt_letter(), v.at_reference->linear_mm * 1e3, machine.tilt_letter(), v.at_reference->rotary_rad * 1e6,
+        v.at_reference->deviation_mm * 1e3);
   return row("nothing compensated", v.before) + row("five axes, ideally", v.ideal) +
          row("these tables, as played", v.tables) +
          printed("lost to the format %.3f um, to the distance of nodes (%.4g deg) %.3f um, to rounding %.3f um\n",
@@ -206,6 +188,7 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
   const auto tell = [&](const std::string& step) {
     if (progress) progress(step);
   };
+  refuse_unknown_keys(controller, machine);
   const CompensationTask task(machine, model, options, controller.questions);
   const auto rms_of = [&](const std::vector<Situation>& sample, Angle spacing, Emission emission) {
     return spread(model, task.chain, sample, *controller.play(controller.emit(task, spacing, emission), task))
@@ -243,6 +226,7 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
   v.volume = task.volume;
   v.poses = sample.size();
   v.spacing = spacing;
+  v.at_reference = at_rest(task, *played);
   v.before = spread(model, task.chain, sample, Nothing());
   v.ideal = spread(model, task.chain, sample, Ideal(task));
   v.tables = spread(model, task.chain, sample, *played);
@@ -266,18 +250,19 @@ TableSet make_tables(const Controller& controller, const Machine& machine, const
 
   TableSet set;
   std::vector<TableFile> commissioning;
-  if (!v.load_ready() && controller.commissioning) commissioning = controller.commissioning(task);
-  for (TableFile& file : files) {
-    if (!v.load_ready()) file.name = draft_name(file.name);
-    v.files.push_back(file.name);
-  }
-  set.files = std::move(files);
   if (!v.load_ready()) {
+    if (controller.commissioning) commissioning = controller.commissioning(task);
+    for (TableFile& file : files) file.name = draft_name(file.name);
     for (TableFile& file : commissioning) file.name = "commissioning/" + draft_name(file.name);
-    set.files.push_back({"COMMISSIONING.md", commissioning_text(task, commissioning)});
-    for (TableFile& file : commissioning) set.files.push_back(std::move(file));
   }
-  set.files.push_back({"LOADING.md", loading_text(controller, task, v, set.files)});
+  for (const TableFile& file : files) v.files.push_back(file.name);
+  const SetDocuments documents{controller, task, v, files, commissioning};
+  set.files = files;
+  if (!v.load_ready()) {
+    set.files.push_back({"COMMISSIONING.md", commissioning_text(documents)});
+    set.files.insert(set.files.end(), commissioning.begin(), commissioning.end());
+  }
+  set.files.push_back({"LOADING.md", loading_text(documents)});
   set.files.push_back({"verification.txt", verification_text(v, machine)});
   set.files.push_back({"verification.json", verification_json(v, machine)});
   set.verification = std::move(v);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "compensation/controller.h"
 #include "compensation/lost_terms.h"
@@ -12,6 +13,13 @@ struct Spread {
   double position_rms_mm = 0;
   double position_max_mm = 0;
   double orientation_rms_rad = 0;
+};
+
+/// The largest of what a set does at A = C = 0, over the corners of the volume: the machine is set up and its
+/// compensation switched on there. Linear axes may go where the rotary ones carry the work.
+struct AtRest {
+  double linear_mm = 0, rotary_rad = 0;  ///< added to the commands
+  double deviation_mm = 0;               ///< of the tool against the work, by all of them together
 };
 
 /// What a table set achieves, found by playing it over the working volume.
@@ -30,7 +38,8 @@ struct Verification {
   double lost_to_quantisation_mm = 0;
   std::vector<LostTerm> lost_terms;  ///< what makes up the loss to the format
   Angle spacing;
-  Situation worst;  ///< the pose with the largest deviation under the tables
+  std::optional<AtRest> at_reference;  ///< none where the volume does not reach it
+  Situation worst;                     ///< the pose with the largest deviation under the tables
   std::vector<std::string> files;
 
   bool load_ready() const { return unconfirmed.empty(); }

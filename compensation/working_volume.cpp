@@ -81,6 +81,11 @@ WorkingVolume working_volume(const Machine& machine, const Model& model) {
   return volume;
 }
 
+std::optional<double> reference_deg(const WorkingVolume& volume) {
+  if (volume.a.low > kAngleRounding || volume.a.high < -kAngleRounding) return std::nullopt;
+  return 0;
+}
+
 std::vector<Situation> pose_sample(const WorkingVolume& volume, const Model& model, std::size_t count,
                                    std::size_t first) {
   const auto spread = [](auto range, double u) { return range.low + u * (range.high - range.low); };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct WorkingVolume {
 /// full turn, X Y Z +-150 mm about R's origin cut to the strokes. Throws RangeError where it asks for a tilt that was
 /// not probed, ModelError where nothing is left of it.
 WorkingVolume working_volume(const Machine& machine, const Model& model);
+
+/// A (and C) of the reference pose, in degrees: 0, if the volume's tilts reach it.
+std::optional<double> reference_deg(const WorkingVolume& volume);
 
 /// `count` situations spread evenly over the volume by Halton's sequence from its element `first` on (J. H. Halton,
 /// 1960; bases 2, 3, 5, 7, 11), with both senses of the last motion of A and of C where the model needs them.

@@ -135,8 +135,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   for (CalTable& table : levers)
     if (static_cast<double>(tables.size()) < most) tables.push_back(std::move(table));
 
-  std::string text = "' " + provenance(task) + "\n";
-  if (!task.profile.load_ready()) text += "' DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
+  std::string text = comment_header(task, "'");
   for (const CalTable& table : tables) {
     text += std::string("' rows over ") + table.row_axis + ", columns over " + table.column_axis + ", outputs " +
             table.outputs + "\n";
@@ -327,8 +326,8 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
 
 std::string loading(const CompensationTask& task, const std::vector<TableFile>&) {
   return "## Steps\n\n1. Copy `" + std::string(kFile) +
-         "` to the controller; name it in the configuration, or at run time: A3200 `LOADCALFILE \"" + kFile +
-         "\", 2D_CAL` and `CALENABLE 2D`; Automation1 `CalibrationLoad()`.\n2. Home all axes before the tables are "
+         "` to the controller; name it in the configuration, or at run time: A3200 `LOADCALFILE` with its name and "
+         "`2D_CAL`, and `CALENABLE 2D`; Automation1 `CalibrationLoad()`.\n2. Home all axes before the tables are "
          "enabled: they follow encoder positions.\n"
          "3. Keep C within 0 to 360 deg, or have the axis wrap: the last row of C repeats the first, beyond it the end "
          "is held.\n\n"
@@ -338,16 +337,15 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>&)
          "Undo: `CALDISABLE 2D`, or unload the file.\n";
 }
 
+/// A peak off the diagonal, so that rows and columns cannot be mistaken.
 std::vector<TableFile> commissioning(const CompensationTask& task) {
-  const auto number = [&](const char* axis) {
-    return shortest_text(task.profile.number(std::string("axis_number_") + axis));
-  };
-  const std::string a(1, task.machine.tilt_letter());
-  return {{"one_peak.cal", "' 20 um on X at C 90, " + a +
-                               " -60: off the diagonal, so that rows and columns cannot be mistaken\n:START2D " +
-                               number("C") + " " + number(a.c_str()) + " " + number("X") + " " + number("Y") +
-                               " 90 30 4\n:START2D POSUNIT=PRIMARY CORUNIT=PRIMARY/1000 OFFSETROW=0 OFFSETCOL=90\n"
-                               "0 0  0 0  0 0  0 0\n0 0  20 0  0 0  0 0\n0 0  0 0  0 0  0 0\n:END\n"}};
+  const double adds = task.profile.answer("cal_sign") == "add" ? 1 : -1;
+  const char a = task.machine.tilt_letter();
+  CalTable table{'C', a, "XY", {0, 90, 180}, {-90, -60, -30, 0}, {}};
+  table.values.assign(2, Eigen::MatrixXd::Zero(3, 4));
+  table.values[0](1, 1) = adds * 0.02;
+  return {{"one_peak.cal",
+           comment_header(task, "'") + "' 20 um on X at C 90, " + a + " -60\n" + cal_text(task, table, {})}};
 }
 
 }  // namespace
@@ -355,38 +353,40 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 
 Controller aerotech() {
   using namespace aerotech_set;
-  std::vector<ProfileNumber> numbers = {{"cal_tables", "most tables that the controller takes at once", 8, 1, 100}};
+  std::vector<ProfileNumber> numbers = {{"cal_tables", "most tables that the controller takes at once", 8, 1, 100, 1}};
   double number = 1;
   for (const char* axis : {"X", "Y", "Z", "A", "B", "C"}) {
     numbers.push_back(
-        {std::string("axis_number_") + axis, "number of the axis in calibration files, from 1", number, 1, 64});
+        {std::string("axis_number_") + axis, "number of the axis in calibration files, from 1", number, 1, 64, 1});
     numbers.push_back({std::string("encoder_sense_") + axis,
-                       "+1 where the encoder counts with the program's direction, else -1", 1, -1, 1});
+                       "+1 where the encoder counts with the program's direction, else -1", 1, -1, 1, 2});
     if (axis[0] != 'A') ++number;
   }
-  return {.name = "aerotech",
-          .title = "Aerotech A3200 and Automation1, 2-D calibration files",
-          .cannot_hold =
-              "lever arms that change with A and C at once (only a function of A and one of C are added up) as far as "
-              "A and C "
-              "cannot take them, and what depends on the sense of motion.",
-          .questions = {{{"cal_sign",
-                          "Is a table's value added to the command, or taken from it?",
-                          {"add", "subtract"},
-                          "Load commissioning/one_peak, go to the peak and enable the table: X must move by +0.02 mm "
-                          "if values are added."},
-                         {"encoder_senses",
-                          "Do the profile's encoder_sense_X … say how each encoder counts?",
-                          {"yes"},
-                          "Compare the encoder's and the program's position of every axis while it moves."}},
-                        numbers},
-          .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5),
-                       Angle::degrees(5), Angle::degrees(3)},
-          .spacing_loss = Length::micrometres(0.01),
-          .emit = emit,
-          .play = play,
-          .loading = loading,
-          .commissioning = commissioning};
+  return {
+      .name = "aerotech",
+      .title = "Aerotech A3200 and Automation1, 2-D calibration files",
+      .cannot_hold =
+          "lever arms that change with A and C at once (only a function of A and one of C are added up) as far as "
+          "A and C "
+          "cannot take them, and what depends on the sense of motion.",
+      .questions = {{{"cal_sign",
+                      "Is a table's value added to the command, or taken from it?",
+                      {"add", "subtract"},
+                      "Load `commissioning/one_peak.cal`, go to C 90, {A} -60 and enable the table: X moves by +0.02 "
+                      "mm if values are added, by -0.02 if they are taken away; at C 0 or {A} 0 nothing moves."},
+                     {"encoder_senses",
+                      "Do the profile's encoder_sense_X … say how each encoder counts?",
+                      {"yes"},
+                      "Compare the encoder's and the program's position of every axis while it moves; with "
+                      "`commissioning/one_peak.cal` X moves at C 90, {A} -60 and at no other node."}},
+                    numbers},
+      .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
+                   Angle::degrees(3)},
+      .spacing_loss = Length::micrometres(0.01),
+      .emit = emit,
+      .play = play,
+      .loading = loading,
+      .commissioning = commissioning};
 }
 
 }  // namespace trunnion

@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "compensation/controllers/controllers.h"
 #include "compensation/controllers/fanuc_files.h"
@@ -35,30 +36,64 @@ struct Corrections {
   double reversal_deg;
 };
 
-/// Totals at points, in units times magnification, to increments that never add up rounding.
-void append_pitch(const CompensationTask& task, std::vector<Entry>& entries, const Corrections& c, Emission emission) {
-  const double sign = task.profile.answer("pitch_sign") == "add" ? 1 : -1;
-  const long axis = axis_numbers(task).at(c.axis);
-  const double unit = fanuc::detection_unit_deg(task);
-  std::vector<double> totals;
-  double steepest = 0;
-  for (std::size_t k = 0; k < c.nodes_deg.size(); ++k) {
-    totals.push_back(sign * c.values_deg[k] / unit);
-    if (k > 0) steepest = std::max(steepest, std::abs(totals[k] - totals[k - 1]));
+/// To the nearest whole number, halves towards zero: at the reference nothing is passed.
+double whole(double counts) { return std::copysign(std::max(0.0, std::ceil(std::abs(counts) - 0.5 - 1e-9)), counts); }
+
+/// What stands to be added at the points of one way of travel, in detection units, and of it what the control counts
+/// from at the reference.
+struct Way {
+  std::vector<double> wanted;
+  double at_reference = 0;
+
+  /// Totals of whole increments: each within half of what 3623 makes of one, whatever was rounded before it.
+  std::vector<double> counted(double magnification, bool rounded) const {
+    std::vector<double> totals;
+    for (const double value : wanted) {
+      const double counts = (value - at_reference) / magnification;
+      totals.push_back(rounded ? whole(counts) : counts);
+    }
+    return totals;
   }
-  const double magnification = std::max(1.0, std::ceil((steepest + 1) / 7 - 1e-9));
-  if (emission.for_the_control() && magnification > 100)
-    throw RangeError("fanuc-30i: pitch errors change by " + shortest_text(std::round(steepest)) +
-                     " detection units a point, 700 is the most that 3623 allows");
-  const auto in_units = [&](double value) {
-    return emission.quantised ? std::round(value / magnification) : value / magnification;
+};
+
+/// The smallest of 3623 with which no increment of either way is larger than 7.
+double magnification_of(const std::function<std::vector<Way>(double)>& ways) {
+  for (double magnification = 1;; ++magnification) {
+    double largest = 0;
+    for (const Way& way : ways(magnification)) {
+      const std::vector<double> totals = way.counted(magnification, true);
+      for (std::size_t k = 1; k < totals.size(); ++k) largest = std::max(largest, std::abs(totals[k] - totals[k - 1]));
+    }
+    if (largest <= 7) return magnification;
+    if (largest > 14) magnification = std::max(magnification, std::floor(magnification * (largest - 1) / 7) - 1);
+  }
+}
+
+/// One axis' parameters and its increments from point to point.
+void append_pitch(const CompensationTask& task, std::vector<Entry>& entries, const Corrections& c, Emission emission) {
+  const double in_units = (task.profile.answer("pitch_sign") == "add" ? 1 : -1) / fanuc::detection_unit_deg(task);
+  const double off = -in_units * c.reversal_deg;
+  // Negative travel has points of its own, the same pitch from another beginning.
+  const bool both_ways = std::abs(c.reversal_deg) > 1e-9;
+  const bool counts_reference = task.profile.answer("pitch_reference") == "in detection units";
+  const auto ways = [&](double magnification, bool rounded) {
+    std::vector<Way> list(both_ways ? 2 : 1);
+    const double unit = counts_reference ? 1 : magnification;
+    if (both_ways) list[1].at_reference = rounded ? unit * whole(off / unit) : off;
+    for (const double value : c.values_deg)
+      for (Way& way : list) way.wanted.push_back(in_units * value + (&way == &list[0] ? 0 : off));
+    return list;
   };
+  const double magnification = magnification_of([&](double tried) { return ways(tried, true); });
+  if (emission.for_the_control() && magnification > 100)
+    throw RangeError("fanuc-30i: pitch errors ask for a magnification (3623) of " + shortest_text(magnification) +
+                     ", 100 is the most");
   const auto first = std::lround(c.nodes_deg.front() / c.interval_deg),
              last = std::lround(c.nodes_deg.back() / c.interval_deg);
   if (emission.for_the_control() && last - first + 1 > kMostPoints)
     throw RangeError("fanuc-30i: " + std::to_string(last - first + 1) + " points on one axis, 128 is the most");
   const PointNumbers numbers = c.turning ? kTurnPoints : kTiltPoints;
-  const long reference = std::max(numbers.reference, -first);
+  const long reference = std::max(numbers.reference, -first), axis = axis_numbers(task).at(c.axis);
   const auto add = [&](long number, double value, bool real = false) {
     entries.push_back({number, axis, value, real});
   };
@@ -68,34 +103,27 @@ void append_pitch(const CompensationTask& task, std::vector<Entry>& entries, con
   add(3623, magnification);
   add(3624, c.interval_deg, true);
   if (c.turning) add(3625, 360, true);
-  const auto add_increments = [&](long lowest) {
+  const std::vector<Way> of_both = ways(magnification, emission.quantised);
+  if (both_ways) {
+    add(3626, static_cast<double>(numbers.lowest_down));
+    add(3627, of_both[1].at_reference / (counts_reference ? 1 : magnification));
+  }
+  for (const Way& way : of_both) {
+    const std::vector<double> totals = way.counted(magnification, emission.quantised);
+    const long lowest = &way == &of_both[0] ? reference + first : numbers.lowest_down;
     for (std::size_t k = 0; k < totals.size(); ++k) {
       // The first point of a turn is the last one again; the most negative point of a stroke has nothing before it.
-      const std::size_t from = k > 0       ? k - 1
-                               : c.turning ? totals.size() - 2
-                                           : 0,
-                        to = k > 0 || !c.turning ? k : totals.size() - 1;
-      entries.push_back(
-          {fanuc::kPitchBase + lowest + static_cast<long>(k), 0, in_units(totals[to]) - in_units(totals[from])});
+      const double increment = k > 0       ? totals[k] - totals[k - 1]
+                               : c.turning ? totals.back() - totals[totals.size() - 2]
+                                           : 0;
+      entries.push_back({fanuc::kPitchBase + lowest + static_cast<long>(k), 0, increment});
     }
-  };
-  // Negative travel has points of its own, the same pitch from another beginning.
-  const bool both_ways = std::abs(c.reversal_deg) > 1e-9;
-  if (both_ways) {
-    const double off = -sign * c.reversal_deg / unit;
-    const bool in_detection_units = task.profile.answer("pitch_reference") == "in detection units";
-    add(3626, static_cast<double>(numbers.lowest_down));
-    add(3627, !in_detection_units ? in_units(off) : emission.quantised ? std::round(off) : off);
   }
-  add_increments(reference + first);
-  if (both_ways) add_increments(numbers.lowest_down);
 }
 
-/// The node at the reference position, where the control's corrections begin from zero.
-std::optional<std::size_t> zero_of(const std::vector<double>& nodes) {
-  for (std::size_t k = 0; k < nodes.size(); ++k)
-    if (std::abs(nodes[k]) < 1e-9) return k;
-  return std::nullopt;
+/// Whether there is a node at the reference position, where the control's corrections begin from zero.
+bool has_zero(const std::vector<double>& nodes) {
+  return std::ranges::any_of(nodes, [](double node) { return std::abs(node) < 1e-9; });
 }
 
 /// Steps of at most `step_deg` that make a turn and are told by the decimals of 3624.
@@ -124,7 +152,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   const double turn_step = emission.for_the_control() ? turn_interval(interval) : interval;
   std::vector<double> tilt_nodes, turn_nodes = even_nodes(0, 360, turn_step);
   for (double k = low; k <= std::max(high, low + 1); ++k) tilt_nodes.push_back(k * interval);
-  if (!zero_of(tilt_nodes))
+  if (!has_zero(tilt_nodes))
     throw RefusalError(
         "fanuc-30i: the working volume does not reach the reference position of the tilting axis, from which pitch "
         "errors are counted");
@@ -156,12 +184,11 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
 
   std::vector<Entry> entries;
   append_pitch(task, entries,
-               {task.machine.tilt_letter(), false, interval, tilt_nodes,
-                values(tilt.projector(tilt_at, zero_of(tilt_nodes)), held_tilt), tilt_reversal},
+               {task.machine.tilt_letter(), false, interval, tilt_nodes, values(tilt.projector(tilt_at, 0), held_tilt),
+                tilt_reversal},
                emission);
   append_pitch(task, entries,
-               {'C', true, turn_nodes[1], turn_nodes,
-                values(turn.projector(turn_at, zero_of(turn_nodes)), fit.turn_rad), turn_reversal},
+               {'C', true, turn_nodes[1], turn_nodes, values(turn.projector(turn_at, 0), fit.turn_rad), turn_reversal},
                emission);
   // The axes' places: nominal ones moved by the location errors that are lengths.
   Places places = nominal_places(task);
@@ -178,8 +205,8 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
 
   std::vector<TableFile> files = {fanuc::parameter_file(entries, emission)};
   if (emission.for_the_control())
-    files.push_back(
-        fanuc::program_file(entries, (task.profile.load_ready() ? "" : "DRAFT, NOT LOAD-READY. ") + provenance(task)));
+    files.push_back(fanuc::program_file(
+        entries, (task.profile.load_ready() ? "" : std::string(kNotLoadReady) + ". ") + provenance(task)));
   return files;
 }
 
@@ -237,7 +264,7 @@ Controller fanuc_30i() {
       {"detection_unit_deg", "detection unit of the rotary axes", 0.0001, 1e-6, 0.01}};
   double number = 1;
   for (const char* axis : {"X", "Y", "Z", "A", "B", "C"}) {
-    numbers.push_back({std::string("axis_number_") + axis, "controlled-axis number", number, 1, 32});
+    numbers.push_back({std::string("axis_number_") + axis, "controlled-axis number", number, 1, 32, 1});
     if (axis[0] != 'A') ++number;
   }
   return {
@@ -250,9 +277,10 @@ Controller fanuc_30i() {
           {{{"pitch_sign",
              "Is a stored pitch increment added to the movement, or taken from it?",
              {"add", "subtract"},
-             "Load commissioning/one_pitch (3620 to 3624 of A and C, everything else 0), power off and on, reference, "
-             "turn C from 0 to 60 deg and read it against an indicator: it stands 7 detection units further than "
-             "without the table if increments are added, and back in place at 90."},
+             "Load `commissioning/one_pitch_PARAM.TXT` (3620 to 3624 of {A} and C, everything else 0), power off and "
+             "on, "
+             "reference, turn C from 0 to 60 deg and read it against an indicator: it stands 7 detection units further "
+             "than without the table if increments are added, and back in place at 90."},
             {"pitch_interpolation",
              "Is the correction spread evenly between points (interpolated type)?",
              {"even"},
@@ -266,26 +294,27 @@ Controller fanuc_30i() {
             {"tcp_vectors",
              "Do 19700-19702 lead to the first table axis and 19703-19705 from there to the second?",
              {"yes"},
-             "Compare the machine's values with its drawing; change 19701 by 0.02 and see where G43.4 goes at a "
-             "tilt."},
+             "Compare the machine's values with its drawing; raise 19701 by 0.02 and lower 19704 by 0.02: with G43.4 "
+             "at {A} -90 C 0 the linear axes stand by 0.02 elsewhere (for A: Y +0.02, Z +0.02), at {A} 0 as before."},
             {"pitch_reverse",
              "Are the increments for negative travel (points from 3626 on) counted upwards like those for positive "
              "travel, and 3627 where the reference return goes in positive direction?",
              {"upwards"},
-             "Copy the points of commissioning/one_pitch to 3626 and on, 3605#0 = 1, 3627 = 0, power off and on, "
-             "reference: C stands at 60 deg alike from both sides.",
+             "Copy the points of C in `commissioning/one_pitch_PARAM.TXT` to 3626 and on, 3605#0 = 1, 3627 = 0, power "
+             "off and on, reference: C stands at 60 deg alike from both sides.",
              true},
             {"pitch_reference",
              "Is 3627 counted in detection units, or in detection units times 3623?",
              {"in units of 3623", "in detection units"},
              "With 3605#0 = 1, 3623 = 2, 3627 = 10 and all points 0: coming back to the reference from above, C stands "
-             "off by 20 detection units, or by 10.",
+             "off by 20 detection units (units of 3623), or by 10.",
              true}},
            numbers},
       .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(5), Angle::degrees(3)},
       .emit = emit,
       .play = fanuc::play,
       .loading = loading,
+      .no_comments = {".TXT"},
       .commissioning = commissioning};
 }
 

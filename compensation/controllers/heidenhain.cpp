@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compensation/at_reference.h"
 #include "compensation/controllers/controllers.h"
 #include "compensation/controllers/heidenhain_files.h"
 #include "compensation/number_text.h"
@@ -95,6 +96,26 @@ std::vector<Inserted> worthwhile(const CompensationTask& task, char axis, const 
   return rows;
 }
 
+/// Rows to be entered into the machine's kinematics table: Trans lines before the MachAxis line of their axis.
+std::string kinematics_rows(const CompensationTask& task, const std::vector<Inserted>& inserted) {
+  const bool by_letter = task.profile.answer("comptab_prefix") == "axis letter";
+  std::string rows = comment_header(task, ";") + padded("NR", 5) + padded("DOC", 8) + padded("KEY", 10) +
+                     padded("AXIS", 6) + padded("COORD", 12) + "COMPTAB\n";
+  int number = 0;
+  const auto row = [&](const std::string& doc, const std::string& key, char axis, const std::string& table) {
+    rows += padded(std::to_string(number++), 5) + padded(doc, 8) + padded(key, 10) + padded(std::string(1, axis), 6) +
+            padded("", 12) + table + "\n";
+  };
+  for (const char letter : {task.machine.tilt_letter(), 'C'}) {
+    for (std::size_t k = 0; k < 6; ++k)
+      if (std::ranges::any_of(inserted, [&](const Inserted& i) { return i.axis == letter && i.component == k; }))
+        row(error_symbol(k, letter), "Trans", "XYZABC"[k],
+            std::string(1, by_letter ? letter : 'A') + "..C" + std::to_string(k + 1));
+    row("", "MachAxis", letter, "");
+  }
+  return rows;
+}
+
 std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emission emission) {
   if (task.chain.has_rotary(Side::tool) || task.chain.turn_carries_tilt())
     throw RefusalError("heidenhain: structure \"" + task.machine.structure.code +
@@ -108,15 +129,18 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     throw RangeError("heidenhain: " + std::to_string(std::max(tilt.nodes().size(), turn.nodes().size())) +
                      " entries, 256 is the most of a .COM table");
   const std::vector<double> tilt_at = tilt.sample_points(2), turn_at = turn.sample_points(2);
+  const AtReference reference(task.volume, tilt, tilt_at, turn, turn_at);
   const ChainFit fit = chain_fit(task, tilt_at, turn_at, TurnErrors::of_turn_alone);
   std::vector<TableFile> files;
   std::vector<Inserted> inserted;
   // The axes themselves set the tool's axis right. How far the work is then moved X, Y and Z follow, by the component
   // that is the axis' own too.
   const OwnAxisFit own_fit = own_axis_fit(task, orientation_metric(), tilt_at, turn_at);
+  const auto samples = [](const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  };
   const auto add_table = [&](const Axis& axis, const PiecewiseLinear& function, const std::vector<double>& at,
-                             const std::vector<double>& moved_rad, Matrix6Xd errors) {
-    const Eigen::Map<const Eigen::RowVectorXd> moved(moved_rad.data(), static_cast<Eigen::Index>(moved_rad.size()));
+                             const Eigen::RowVectorXd& moved, Matrix6Xd errors) {
     errors.row(static_cast<Eigen::Index>(own_of(axis).component)) += own_of(axis).sense * moved;
     const Eigen::MatrixXd over = function.projector(at);
     const Matrix6Xd at_nodes = errors * over.transpose();
@@ -124,28 +148,12 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     files.push_back({com_file(axis.letter), com_text(task, axis, function.nodes(), -(over * moved.transpose()),
                                                      reversal_of(task, axis), at_nodes, emission)});
   };
-  add_table(tilt_axis, tilt, tilt_at, own_fit.tilt_rad, fit.tilt);
-  add_table(turn_axis, turn, turn_at, own_fit.turn_rad, fit.turn);
+  add_table(tilt_axis, tilt, tilt_at, reference.tilt(samples(own_fit.tilt_rad)), fit.tilt);
+  add_table(turn_axis, turn, turn_at, reference.turn(samples(own_fit.turn_rad)), fit.turn);
   std::ranges::stable_sort(inserted, std::greater<>(), &Inserted::gain);
   inserted.resize(std::min(inserted.size(), static_cast<std::size_t>(task.profile.number("comptab_entries"))));
 
-  const std::string prefix = task.profile.answer("comptab_prefix") == "axis letter" ? "" : "A";
-  std::string rows =
-      padded("NR", 5) + padded("DOC", 8) + padded("KEY", 10) + padded("AXIS", 6) + padded("COORD", 12) + "COMPTAB\n";
-  int number = 0;
-  const auto row = [&](const std::string& doc, const std::string& key, char axis, const std::string& coordinate,
-                       const std::string& table) {
-    rows += padded(std::to_string(number++), 5) + padded(doc, 8) + padded(key, 10) + padded(std::string(1, axis), 6) +
-            padded(coordinate, 12) + table + "\n";
-  };
-  for (const Axis* axis : {&tilt_axis, &turn_axis}) {
-    for (std::size_t k = 0; k < 6; ++k)
-      if (std::ranges::any_of(inserted, [&](const Inserted& i) { return i.axis == axis->letter && i.component == k; }))
-        row(error_symbol(k, axis->letter), "Trans", "XYZABC"[k], "",
-            (prefix.empty() ? std::string(1, axis->letter) : prefix) + "..C" + std::to_string(k + 1));
-    row("", "MachAxis", axis->letter, "", "");
-  }
-  files.push_back({kKinematicsFile, rows});
+  files.push_back({kKinematicsFile, kinematics_rows(task, inserted)});
   files.push_back({tnc::kAssignmentFile, "BEGIN CONFIG.CMA\n" + padded("NR", kNumberWidth) + padded("ACTIVE", 8) +
                                              padded(std::string(1, tilt_axis.letter), kColumnWidth) +
                                              padded("C", kColumnWidth) + "\n" + padded("0", kNumberWidth) +
@@ -169,7 +177,7 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>&)
          "description.\n\nUndo: the old kinematics table, and no active line in the .CMA.\n";
 }
 
-/// One node of 0.005 deg: in each axis' own column, and in C6 of the tilting axis.
+/// One node of 0.005 deg: in each axis' own column, and in C6 of the tilting axis with the rows that insert it.
 std::vector<TableFile> commissioning(const CompensationTask& task) {
   const Axis &tilt = task.machine.tilt(), &turn = task.machine.turn();
   const double as_error = task.profile.answer("com_sign") == "error" ? 1 : -1;
@@ -182,6 +190,7 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
   };
   return {{"own_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, true)},
           {"yaw_peak_" + com_file(tilt.letter), peak(tilt, {-60, -30, 0}, false)},
+          {std::string("yaw_peak_") + kKinematicsFile, kinematics_rows(task, {{tilt.letter, 5, 0}})},
           {"turn_peak_" + com_file(turn.letter), peak(turn, {0, 30, 60, 360}, true)}};
 }
 
@@ -200,8 +209,10 @@ Controller heidenhain() {
           {{{"com_sign",
              "Are .COM and COMPTAB values errors that the control takes away, or corrections that it adds?",
              {"error", "correction"},
-             "Load commissioning/own_peak as AXIS_A.COM (AXIS_B.COM), tilt to -30 deg and read the axis against an "
-             "indicator: it stands at -30.005 deg if the control takes errors away."},
+             "Load `commissioning/own_peak_AXIS_{A}.COM` as AXIS_{A}.COM, `commissioning/turn_peak_AXIS_C.COM` as "
+             "AXIS_C.COM, tilt to -30 deg and read the axis against an indicator: it stands at -30.005 deg if the "
+             "control "
+             "takes errors away, at -29.995 if it adds corrections; likewise C at 30 deg."},
             {"comptab_prefix",
              "What stands before the column's name in COMPTAB?",
              {"axis letter", "A"},
@@ -209,28 +220,33 @@ Controller heidenhain() {
             {"com_angles",
              "Are angular columns C4 to C6 in degrees, and is the table linear between entries?",
              {"degrees, linear"},
-             "Load commissioning/yaw_peak with the rows of KINEMATICS_COMP.TXT, tilt to -30 deg: X moves by the "
-             "distance "
-             "in Y from the axis times 0.0000873, and half of it at -15 deg."},
+             "Load `commissioning/yaw_peak_AXIS_{A}.COM` as AXIS_{A}.COM with the rows of "
+             "`commissioning/yaw_peak_KINEMATICS_COMP.TXT`, "
+             "tilt to -30 deg: where values are errors, a point 100 mm from the axis in +Y is followed by -0.0087 mm "
+             "in X "
+             "(with corrections by +0.0087), half of it at -15 deg."},
             {"com_layout",
              "Does the control take this layout of columns?",
              {"yes"},
-             "Import AXIS_C.COM and look at it on the screen."},
+             "Import `commissioning/turn_peak_AXIS_C.COM` and look at it on the screen: 0.005 at 30 deg in C's own "
+             "column."},
             {"com_backlash",
              "Does BACKLASH hold the value in negative travel itself, or its difference to that in positive travel?",
              {"value in negative travel", "difference to positive travel"},
-             "Enter 0.005 for BACKLASH in every row of commissioning/own_peak, tilt to -30 deg from above: the axis "
-             "stands at -30.005 deg if it is the value, at -30.010 if it is a difference (errors taken away).",
+             "Enter 0.005 for BACKLASH in every row of `commissioning/own_peak_AXIS_{A}.COM`, tilt to -30 deg from "
+             "above: the axis stands at -30.005 deg if it is the value, at -30.010 if it is a difference (errors taken "
+             "away).",
              true}},
-           {{"com_decimals", "decimals of the values", 4, 3, 7},
+           {{"com_decimals", "decimals of the values", 4, 3, 7, 1},
             {"comptab_entries",
              "entries of KinematicsComp that are free (100 less the MachAxis lines and those in use)",
-             static_cast<double>(kMostInserted), 1, static_cast<double>(kMostInserted)}}},
+             static_cast<double>(kMostInserted), 1, static_cast<double>(kMostInserted), 1}}},
       .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
                    Angle::degrees(3)},
       .emit = emit,
       .play = tnc::play,
       .loading = loading,
+      .no_comments = {".COM", ".CMA"},
       .commissioning = commissioning};
 }
 

@@ -193,7 +193,7 @@ std::unique_ptr<PlayedCompensation> play(const std::vector<TableFile>& files, co
   for (const std::string_view line : lines_of(rows.text)) {
     ++line_number;
     const auto words = words_of(line);
-    if (line_number == 1 || words.empty()) continue;
+    if (words.empty() || line.starts_with(';') || words[0] == "NR") continue;
     const auto key = std::ranges::find_if(words, [](std::string_view w) { return w == "Trans" || w == "MachAxis"; });
     if (key == words.end() || key + 1 == words.end() || (key + 1)->size() != 1)
       throw InputError(rows.name, line_number, "KEY Trans or MachAxis and an axis are wanted");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "compensation/at_reference.h"
 #include "compensation/controllers/controllers.h"
 #include "compensation/grid_table.h"
 #include "compensation/number_text.h"
@@ -61,13 +62,18 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   const ChainFit fit = chain_fit(task, tilt_at, turn_at, TurnErrors::of_both);
   const Eigen::MatrixXd over_tilt = tilt.projector(tilt_at), over_turn = turn.projector(turn_at);
   const Eigen::MatrixXd tilt_nodes = fit.tilt * over_tilt.transpose();
+  const AtReference reference(task.volume, tilt, tilt_at, turn, turn_at);
+  Vector6d tilt_there;
+  for (Eigen::Index k = 0; k < 6; ++k) tilt_there[k] = reference.of_tilt(fit.tilt.row(k).transpose());
+  const Vector6d turn_there = against_tilt(task, tilt_there);
   std::array<Eigen::MatrixXd, 6> turn_nodes;
   for (std::size_t k = 0; k < 6; ++k) {
     Eigen::MatrixXd sampled(static_cast<Eigen::Index>(tilt_at.size()), static_cast<Eigen::Index>(turn_at.size()));
     for (Eigen::Index i = 0; i < sampled.rows(); ++i)
       for (Eigen::Index j = 0; j < sampled.cols(); ++j)
         sampled(i, j) = fit.turn(static_cast<Eigen::Index>(k), i * sampled.cols() + j);
-    turn_nodes[k] = over_tilt * sampled * over_turn.transpose();
+    turn_nodes[k] =
+        over_tilt * reference.both(sampled, turn_there[static_cast<Eigen::Index>(k)]) * over_turn.transpose();
   }
   const std::size_t records = tilt.nodes().size() * (1 + turn.nodes().size());
   const double most = task.profile.number("volc_max_records");
@@ -75,8 +81,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     throw RangeError("isg-twincat: " + std::to_string(records) +
                      " records, vol_comp.max_records (profile.volc_max_records) allows " + shortest_text(most));
 
-  std::string table = "// " + provenance(task) + "\n";
-  if (!task.profile.load_ready()) table += "// DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
+  std::string table = comment_header(task, "//");
   table += "// errors of the tilting axis, errors of C over both, each where its axis stands; mm, rad over deg\n";
   // Position of the axes as constants: what A's errors are on the average, so that the maps hold the rest.
   Vector6d constant = Vector6d::Zero();
@@ -119,8 +124,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
     }
   }
 
-  std::string list = "# " + provenance(task) + "\n";
-  if (!task.profile.load_ready()) list += "# DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
+  std::string list = comment_header(task, "#");
   const std::map<char, long> numbers = axis_numbers(task);
   for (const char letter : {'X', 'Y', 'Z', tilt_letter, 'C'})
     list += std::string(1, letter) + " " + std::to_string(numbers.at(letter)) + "\n";
@@ -361,11 +365,19 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>&)
          "motion.\n";
 }
 
+/// A shift along the tilting axis' line, off the diagonal so that arguments cannot be mistaken; and a turn about Z.
 std::vector<TableFile> commissioning(const CompensationTask& task) {
   const std::string a(1, task.machine.tilt_letter());
-  return {{"one_peak.csv", "// 20 um of EYC at " + a + " -30, C 90: Y must move there and nowhere else\n" + a +
-                               " C EYC\n-60 0 0\n-60 90 0\n-60 180 0\n-60 360 0\n-30 0 0\n-30 90 0.02\n-30 180 0\n-30 "
-                               "360 0\n0 0 0\n0 90 0\n0 180 0\n0 360 0\n"}};
+  const std::string along = error_symbol(a == "A" ? 0 : 1, 'C'), yaw = error_symbol(5, a[0]);
+  std::string peak =
+      comment_header(task, "//") + "// 20 um of " + along + " at " + a + " -30, C 90\n" + a + " C " + along + "\n";
+  for (const char* tilt : {"-60", "-30", "0"})
+    for (const char* turn : {"0", "90", "180", "360"})
+      peak += std::string(tilt) + " " + turn +
+              (std::string_view(tilt) == "-30" && std::string_view(turn) == "90" ? " 0.02\n" : " 0\n");
+  return {{"one_peak.csv", peak},
+          {"yaw_peak.csv", comment_header(task, "//") + "// 0.0001 rad of " + yaw + " at " + a + " -30\n" + a + " " +
+                               yaw + "\n-60 0\n-30 0.0001\n0 0\n"}};
 }
 
 }  // namespace
@@ -374,10 +386,10 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 Controller isg_twincat() {
   using namespace isg_twincat_set;
   std::vector<ProfileNumber> numbers = {
-      {"volc_max_records", "vol_comp[i].max_records of the start-up list", 2000, 10, 1e6}};
+      {"volc_max_records", "vol_comp[i].max_records of the start-up list", 2000, 10, 1e6, 1}};
   double number = 1;
   for (const char* axis : {"X", "Y", "Z", "A", "B", "C"}) {
-    numbers.push_back({std::string("axis_number_") + axis, "logical number of the axis", number, 1, 64});
+    numbers.push_back({std::string("axis_number_") + axis, "logical number of the axis", number, 1, 64, 1});
     if (axis[0] != 'A') ++number;
   }
   return {
@@ -391,14 +403,17 @@ Controller isg_twincat() {
              "Does the control take table values as errors (actual minus nominal) that it takes away, or does it "
              "add them?",
              {"values are errors", "values are added to the command"},
-             "Load commissioning/one_peak with negate FALSE, go to the peak, switch #VOLCOMP ON and watch an "
-             "indicator on "
-             "the tool: EYC +20 um is an error of the table, so the tool must follow the work and go +0.02 in Y."},
+             "Name `commissioning/one_peak.csv` behind file[0] with negate FALSE, go to {A} -30, C 90, switch #VOLCOMP "
+             "ON and watch the tool: it goes by +0.02 mm along the {A} axis' line (X for A, Y for B) where values are "
+             "errors, because it follows the work, by -0.02 where they are added; at {A} 0 or C 0 nothing moves."},
             {"volc_reference",
              "Are the errors of A and C taken where each axis stands (the control's own place of it, as in the machine "
              "file), before the axis' own motion (ISO 230 order)?",
              {"yes"},
-             "With ECA 0.0001 rad alone, X must move by -0.0001 times the distance in Y from the A axis."}},
+             "Name `commissioning/yaw_peak.csv` behind file[0] with negate FALSE, go to {A} -30 with the tool 100 mm "
+             "from the {A} axis in +Y and at its height: X moves by -0.0100 mm where values are errors, +0.0100 where "
+             "they are "
+             "added. -0.0087 (or +0.0087) says that the error turns with {A}."}},
            numbers},
       .spacings = {Angle::degrees(30), Angle::degrees(15), Angle::degrees(10), Angle::degrees(7.5), Angle::degrees(5),
                    Angle::degrees(3), Angle::degrees(2)},

@@ -15,6 +15,7 @@ namespace {
 constexpr double kMargin_deg = 0.25;  // the correction's own step may leave the probed tilts
 constexpr double kLinearStep_mm = 1;  // a screw's period is some millimetres
 constexpr std::size_t kMostEntries = 256;
+constexpr double kCoarsestJoint_deg = 30;
 constexpr double kMapStep = 1e-12;  // of the numbers in the map, mm and rad: far below anything that moves
 
 /// The cubic B-splines of `cells` even cells over [0, cells] that come nearest to samples at `points`: coefficients x
@@ -79,6 +80,13 @@ void refuse_steep(const CompensationTask& task, const std::string& name, const J
   }
 }
 
+/// The spacing with which a joint table covers all of C's range, for it does not wrap.
+double joint_spacing_deg(Range<Angle> c_range, Angle spacing) {
+  double step = std::max(2.5, spacing.in_degrees());
+  while ((c_range.high - c_range.low).in_degrees() / step + 2 > static_cast<double>(kMostEntries)) step *= 2;
+  return step;
+}
+
 std::vector<TableFile> joint_tables(const CompensationTask& task, Angle spacing, Emission emission) {
   const WorkingVolume& volume = task.volume;
   const double step = spacing.in_degrees() / emission.refine;
@@ -87,10 +95,11 @@ std::vector<TableFile> joint_tables(const CompensationTask& task, Angle spacing,
   const PiecewiseLinear tilt(tilt_nodes, Boundary::hold), turn(one_turn, Boundary::repeat);
   const std::vector<double> tilt_at = tilt.sample_points(2), turn_at = turn.sample_points(2);
   const OwnAxisFit fit = own_axis_fit(task, volume_metric(task.volume), tilt_at, turn_at);
-  const auto projected = [](const PiecewiseLinear& function, const std::vector<double>& at,
-                            const std::vector<double>& values) {
-    const Eigen::VectorXd nodes = function.projector(at) * Eigen::Map<const Eigen::VectorXd>(
-                                                               values.data(), static_cast<Eigen::Index>(values.size()));
+  const auto projected = [&](const PiecewiseLinear& function, const std::vector<double>& at,
+                             const std::vector<double>& values) {
+    const Eigen::VectorXd nodes =
+        function.projector(at, reference_deg(task.volume)) *
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
     return std::vector<double>(nodes.begin(), nodes.end());
   };
   const JointTable tilt_table = tilt_joint_table(task, tilt_nodes, projected(tilt, tilt_at, fit.tilt_rad));
@@ -180,10 +189,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   files.push_back({"kinematics/trunnion_kins.hal", hal});
 
   // The other set: at most 256 entries a joint, so C's range decides the spacing.
-  const double turns = (c_range.high - c_range.low).in_degrees();
-  double joint_step = std::max(2.5, spacing.in_degrees());
-  while (turns / joint_step + 2 > static_cast<double>(kMostEntries)) joint_step *= 2;
-  if (joint_step <= 30) {
+  if (const double joint_step = joint_spacing_deg(c_range, spacing); joint_step <= kCoarsestJoint_deg) {
     for (TableFile& file : joint_tables(task, Angle::degrees(joint_step), emission)) files.push_back(std::move(file));
     files.push_back({"joint_tables/joint_tables.ini",
                      ini_note(task) + "# C does not wrap in a joint table: its limits are what the table covers.\n" +
@@ -193,7 +199,7 @@ std::vector<TableFile> emit(const CompensationTask& task, Angle spacing, Emissio
   return files;
 }
 
-std::string loading(const CompensationTask&, const std::vector<TableFile>& files) {
+std::string loading(const CompensationTask& task, const std::vector<TableFile>& files) {
   const auto has = [&](std::string_view name) {
     for (const TableFile& file : files)
       if (file.name == name) return true;
@@ -232,6 +238,12 @@ Undo: put `xyzac-trt-kins` back into `[KINS]` and the HAL file, and take the COM
 
 Undo: take the COMP_FILE lines out and restart.
 )";
+  else
+    text +=
+        "\n### joint_tables/\n\nNot written: a joint table does not wrap and has 256 entries at most, too few for "
+        "the " +
+        shortest_text((turn_range(task).high - turn_range(task).low).in_degrees()) +
+        " deg of C's range at one every 30 deg.\n";
   return text;
 }
 
@@ -311,6 +323,7 @@ Controller linuxcnc() {
           .emit = emit,
           .play = play_linuxcnc,
           .loading = loading,
+          .no_comments = {"joint_A.comp", "joint_C.comp"},
           .commissioning = nullptr};
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "compensation/at_reference.h"
 #include "compensation/controllers/controllers.h"
 #include "compensation/controllers/sinumerik_tables.h"
 #include "compensation/controllers/sinumerik_trafo5.h"
@@ -32,6 +33,7 @@ std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& 
                            const EffectPtr& followed, Emission emission, std::vector<Curve>& own) {
   const char a = task.machine.tilt_letter();
   const PairFit fit = pair_fit(task, tilt_at, turn_at, followed);
+  const AtReference reference(task.volume, tilt, tilt_at, turn, turn_at);
   const Eigen::MatrixXd over_tilt = tilt.projector(tilt_at), over_turn = turn.projector(turn_at);
   const Matrix6d metric = volume_metric(task.volume);
   const auto curve = [&](bool of_tilt, const Eigen::VectorXd& sampled) {
@@ -59,9 +61,13 @@ std::vector<Term> terms_of(const CompensationTask& task, const PiecewiseLinear& 
                                                       {'C', fit.turn_rad / kDegree_rad}};
   for (const auto& [output, whole] : outputs) {
     const double weight = weight_of(output);
-    const Eigen::VectorXd f = whole.rowwise().mean();
-    const Eigen::RowVectorXd g = (whole.colwise() - f).colwise().mean();
+    Eigen::VectorXd f = whole.rowwise().mean();
+    Eigen::RowVectorXd g = (whole.colwise() - f).colwise().mean();
     const Eigen::MatrixXd rest = (whole.colwise() - f).rowwise() - g;
+    // An axis' own table is zero at its reference by itself; the constant goes to the other axis' table.
+    const double constant = output == a ? reference.of_tilt(f) : output == 'C' ? -reference.of_turn(g.transpose()) : 0;
+    f.array() -= constant;
+    g.array() += constant;
     const auto add = [&, output = output](Curve c, double mean_square, std::optional<Curve> factor = {}) {
       terms.push_back({output, std::move(c), std::move(factor), 0, weight * mean_square});
     };
@@ -191,21 +197,21 @@ std::string loading(const CompensationTask& task, const std::vector<TableFile>& 
 }
 
 std::vector<TableFile> commissioning(const CompensationTask& task) {
-  const auto table = [&](int t, char input, char output, const char* nodes[3], int multiply) {
+  const auto table = [&](int t, char input, char output, const char* nodes[3], int multiply, int on) {
     const std::string i = std::to_string(t);
     std::string text;
     for (int k = 0; k < 3; ++k) text += "$AN_CEC[" + i + "," + std::to_string(k) + "]=" + nodes[k] + "\n";
     return text + "$AN_CEC_INPUT_AXIS[" + i + "]=(" + axis_name(task, input) + ")\n$AN_CEC_OUTPUT_AXIS[" + i + "]=(" +
            axis_name(task, output) + ")\n$AN_CEC_STEP[" + i + "]=30\n$AN_CEC_MIN[" + i + "]=-60\n$AN_CEC_MAX[" + i +
            "]=0\n$AN_CEC_DIRECTION[" + i + "]=0\n$AN_CEC_MULT_BY_TABLE[" + i + "]=" + std::to_string(multiply) +
-           "\n$AN_CEC_IS_MODULO[" + i + "]=0\n$SN_CEC_TABLE_ENABLE[" + i + "]=1\n";
+           "\n$AN_CEC_IS_MODULO[" + i + "]=0\n$SN_CEC_TABLE_ENABLE[" + i + "]=" + std::to_string(on) + "\n";
   };
   const char a = task.machine.tilt_letter();
   const char* peak[3] = {"0", "0.02", "0"};
   const char* half[3] = {"0.5", "0.5", "0.5"};
-  return {{"one_peak_CEC.INI", header(task, "NC_CEC_INI") + table(0, a, 'Y', peak, 0) + "M17\n"},
+  return {{"one_peak_CEC.INI", header(task, "NC_CEC_INI") + table(0, a, 'Y', peak, 0, 1) + "M17\n"},
           {"product_CEC.INI",
-           header(task, "NC_CEC_INI") + table(0, a, 'Y', peak, 2) + table(1, a, 'X', half, 0) + "M17\n"}};
+           header(task, "NC_CEC_INI") + table(0, a, 'Y', peak, 2, 1) + table(1, a, 'X', half, 0, 0) + "M17\n"}};
 }
 
 }  // namespace
@@ -214,29 +220,36 @@ std::vector<TableFile> commissioning(const CompensationTask& task) {
 Controller sinumerik_840d() {
   using namespace sinumerik_840d_set;
   std::vector<ProfileNumber> numbers = {
-      {"cec_tables", "CEC tables that the control has (array size of MD18342)", 62, 1, 200},
-      {"cec_points", "nodes of one CEC table (MD18342)", 400, 3, 5000},
-      {"eec_points", "nodes of one encoder compensation (MD38000)", 400, 3, 5000},
-      {"trafo5_number", "number of the five-axis transformation among those of the channel", 1, 1, 20}};
+      {"cec_tables", "CEC tables that the control has (array size of MD18342)", 62, 1, 200, 1},
+      {"cec_points", "nodes of one CEC table (MD18342)", 400, 3, 5000, 1},
+      {"eec_points", "nodes of one encoder compensation (MD38000)", 400, 3, 5000, 1},
+      {"trafo5_number", "number of the five-axis transformation among those of the channel", 1, 1, 20, 1}};
   double number = 1;
   for (const char* axis : {"X", "Y", "Z", "A", "B", "C"}) {
-    numbers.push_back({std::string("axis_number_") + axis, "number of the machine axis", number, 1, 31});
+    numbers.push_back({std::string("axis_number_") + axis, "number of the machine axis", number, 1, 31, 1});
     if (axis[0] != 'A') ++number;
   }
   std::vector<ProfileItem> items = {
       {"cec_sign",
        "Is a CEC value added to the setpoint, or does the axis move against it?",
        {"add", "subtract"},
-       "Load commissioning/one_peak, tilt to -30 deg: Y moves +0.02 mm if values are added."},
+       "Load `commissioning/one_peak_CEC.INI` as CEC, tilt to -30 deg: Y moves by +0.02 mm if values are added, by "
+       "-0.02 if "
+       "the axis moves against them."},
       {"cec_product",
        "Does MULT_BY_TABLE put the product in place of the table's own value, or beside it?",
        {"instead of the table's own value", "beside the table's own value"},
-       "Load commissioning/product, tilt to -30 deg: Y moves 0.01 mm if the product stands alone, 0.03 mm if "
-       "beside."},
+       "Load `commissioning/product_CEC.INI`, whose factor 0.5 is switched off, tilt to -30 deg: Y moves by 0.01 mm if "
+       "the "
+       "product stands alone, by 0.03 if beside. Where the factor does not serve while it is off: by nothing if the "
+       "product "
+       "stands alone, by 0.02 if beside."},
       {"cec_factor",
        "Does a table still serve as a factor while SD41300 $SN_CEC_TABLE_ENABLE of it is 0?",
        {"works while switched off", "must be switched on"},
-       "With commissioning/product loaded set SD41300[1] = 0: see whether Y still moves by the product."}};
+       "The same test: with `commissioning/product_CEC.INI` Y moves by 0.01 or 0.03 mm if it does, by 0 or 0.02 if it "
+       "does "
+       "not. Do not switch the factor on: X would move by half a millimetre."}};
   for (ProfileItem& item : trafo5_questions()) items.push_back(std::move(item));
   return {.name = "sinumerik-840d",
           .title = "SINUMERIK 840D sl, ONE: EEC, CEC and the vectors of the transformation",

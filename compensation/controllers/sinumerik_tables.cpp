@@ -28,9 +28,7 @@ std::string axis_name(const CompensationTask& task, char axis) {
 }
 
 std::string header(const CompensationTask& task, const std::string& name) {
-  std::string text = "%_N_" + name + "\nCHANDATA(1)\n; " + provenance(task) + "\n";
-  if (!task.profile.load_ready()) text += "; DRAFT, NOT LOAD-READY: see COMMISSIONING.md\n";
-  return text;
+  return "%_N_" + name + "\nCHANDATA(1)\n" + comment_header(task, ";");
 }
 
 TableFile eec_file(const CompensationTask& task, const Curve& curve, Emission emission) {

@@ -120,13 +120,13 @@ std::vector<ProfileItem> trafo5_questions() {
        "along it, or are they not to be set (a fixed type, no option)?",
        {"against the axis", "along the axis", "not to be set"},
        "Read MD24570 of the machine as delivered: against, if it is -1 0 0 where a positive command turns the "
-       "workpiece right-handed about +X. Then add 0.0001 to MD24572[0], TRAORI, turn C by 180 deg at A 0: Z moves by "
-       "0.0002 times the point's X, up if against, down if along."},
+       "workpiece right-handed about +X. Then add 0.0001 to MD24572[0] and, under TRAORI at {A} 0, go to a point that "
+       "stands at X +100 when C is at 180 deg: Z is 0.02 mm higher than before if against, lower if along."},
       {"trafo5_joint",
        "Which machine data hold the way from the first to the second axis of a table?",
        {"JOINT_OFFSET_PART", "JOINT_OFFSET"},
        "See which of MD24558 and MD24560 the list of the control names so, and whether 0.02 in its element 1 "
-       "moves Y by +0.04 under TRAORI when C turns by 180 deg at A 0."}};
+       "(and minus that in element 1 of MD24500) moves Y by +0.04 under TRAORI when C turns by 180 deg at {A} 0."}};
 }
 
 }  // namespace trunnion

@@ -45,6 +45,11 @@ std::set<std::string> standing_set(const fs::path& folder) {
   }
   for (const char* name : {"verification.json", "verification.txt", "LOADING.md", "COMMISSIONING.md"})
     names.insert(name);
+  const fs::path small = folder / "commissioning";
+  if (fs::is_directory(small))
+    for (const fs::directory_entry& entry : fs::directory_iterator(small))
+      if (const std::string name = entry.path().filename().string(); name.find(".DRAFT.") != std::string::npos)
+        names.insert("commissioning/" + name);
   return names;
 }
 

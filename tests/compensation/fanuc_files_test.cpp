@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <map>
+
 #include "compensation/verification.h"
 #include "error.h"
 #include "sample_models.h"
@@ -141,6 +144,69 @@ TEST_F(FanucSet, BacklashGivesNegativeTravelPointsOfItsOwnAndAsksForThem) {
   const double unit = 1e-4 * kDegree_rad;
   EXPECT_NEAR(played->at(down).turn_rad - played->at(up).turn_rad, -60e-6, 2 * unit);
   EXPECT_NEAR(played->at(down).tilt_rad - played->at(up).tilt_rad, 45e-6, 2 * unit);
+}
+
+/// What a parameter file makes of its increments: detection units to be added at the points of one axis, positive
+/// travel first, negative travel behind it if there is any.
+std::vector<std::vector<double>> totals_of(const std::vector<fanuc::Entry>& entries, long axis, bool counts_reference) {
+  std::map<long, double> parameters, points;
+  for (const fanuc::Entry& e : entries) {
+    if (e.axis == axis) parameters[e.number] = e.value;
+    if (e.number >= fanuc::kPitchBase && e.number < 19000) points[e.number - fanuc::kPitchBase] = e.value;
+  }
+  const double magnification = parameters.at(3623);
+  const long count = std::lround(parameters.at(3622) - parameters.at(3621)),
+             zero = std::lround(parameters.at(3620) - parameters.at(3621));
+  std::vector<std::vector<double>> ways;
+  for (const long start : {3621L, 3626L}) {
+    if (!parameters.contains(start)) continue;
+    const long lowest = std::lround(parameters.at(start));
+    std::vector<double> totals = {0};
+    for (long k = 1; k <= count; ++k) totals.push_back(totals.back() + points.at(lowest + k));
+    const double at_zero = totals[static_cast<std::size_t>(zero)];
+    for (double& total : totals) total = magnification * (total - at_zero);
+    if (start == 3626)
+      for (double& total : totals) total += parameters.at(3627) * (counts_reference ? 1 : magnification);
+    if (parameters.contains(3625)) {
+      EXPECT_NEAR(totals.front(), totals.back(), 1e-6) << "a turn adds up to nothing";
+      EXPECT_NEAR(points.at(lowest), points.at(lowest + count), 1e-6) << "the same place";
+    }
+    ways.push_back(std::move(totals));
+  }
+  return ways;
+}
+
+TEST_F(FanucSet, TotalsStayWithinHalfAnIncrementOfWhatWasMeantAndATurnCloses) {
+  constexpr double kBinary = 1e-6;  // of a detection unit
+  int compared = 0;
+  for (std::uint64_t seed = 60; seed < 72; ++seed)
+    for (const char* reference : {"in units of 3623", "in detection units"})
+      for (const double spacing : {30.0, 10.0, 3.0}) {
+        machine.profile["pitch_reference"] = std::string(reference);
+        machine.profile["detection_unit_deg"] = seed % 2 == 0 ? 1e-4 : 1e-5;
+        Model random = compensation_test::random_model(machine, seed);
+        // Half a unit at the reference among them: it must not be counted twice.
+        compensation_test::add_effect(random, machine, "backlash:C", "reversal", seed % 3 == 0 ? 24 : -4.36332313,
+                                      "urad");
+        compensation_test::add_effect(random, machine, "backlash:A", "reversal", -17, "urad");
+        const CompensationTask task(machine, random, {}, controller.questions);
+        const auto rounded = fanuc::read_parameters(controller.emit(task, Angle::degrees(spacing), {1, true})[0]),
+                   full = fanuc::read_parameters(controller.emit(task, Angle::degrees(spacing), {1, false})[0]);
+        for (const long axis : {4L, 5L}) {
+          const bool counts = reference == std::string("in detection units");
+          const auto found = totals_of(rounded, axis, counts), meant = totals_of(full, axis, counts);
+          double half = 0;
+          for (const fanuc::Entry& e : rounded)
+            if (e.number == 3623 && e.axis == axis) half = 0.5 * e.value;
+          ASSERT_EQ(found.size(), 2U);
+          ASSERT_EQ(meant.size(), 2U);
+          for (std::size_t way = 0; way < 2; ++way)
+            for (std::size_t k = 0; k < found[way].size(); ++k, ++compared)
+              ASSERT_NEAR(found[way][k], meant[way][k], half + kBinary)
+                  << "seed " << seed << " axis " << axis << " " << k;
+        }
+      }
+  EXPECT_GT(compared, 5000);
 }
 
 }  // namespace

@@ -1,14 +1,9 @@
 #include <gmock/gmock.h>
 
-#include <cmath>
-#include <map>
-#include <memory>
 #include <string>
 
-#include "compensation/controller.h"
 #include "error.h"
-#include "model/model.h"
-#include "sample_models.h"
+#include "loaded_control.h"
 #include "units/angle.h"
 
 // What each control does with a file, worked out on paper from its manuals' rules and not from our emitters. The files
@@ -18,47 +13,10 @@
 namespace trunnion {
 namespace {
 
-using compensation_test::trunnion_machine;
+using compensation_test::Loaded;
 
 constexpr double kByHand_mm = 2e-6;
 constexpr double kByHand = 1e-12;
-
-/// A control with files of ours in it.
-class Loaded {
- public:
-  explicit Loaded(const std::string& controller, std::map<std::string, ProfileValue> profile = {},
-                  const std::string& structure = "w C' A' Y' b X Z t")
-      : controller_(controller_named(controller)), machine_(trunnion_machine(controller)) {
-    machine_.structure = parse_structure(structure);
-    machine_.profile = std::move(profile);
-  }
-
-  void load(const std::vector<TableFile>& files) {
-    task_ = std::make_unique<CompensationTask>(machine_, nothing_, TableOptions{}, controller_.questions);
-    played_ = controller_.play(files, *task_);
-  }
-
-  AxisCorrection at(double a_deg, double c_deg, const Eigen::Vector3d& point_mm = {0, 0, 0}, int tilt_sense = 1,
-                    int turn_sense = 1) const {
-    Situation s;
-    s.at = {Angle::degrees(a_deg), Angle::degrees(c_deg)};
-    s.point_r_mm = point_mm;
-    s.tilt_sense = tilt_sense;
-    s.turn_sense = turn_sense;
-    return played_->at(s);
-  }
-  double tilt_deg(double a_deg, int sense = 1) const { return at(a_deg, 0, {0, 0, 0}, sense).tilt_rad / kDegree_rad; }
-  double turn_deg(double c_deg, int sense = 1) const {
-    return at(0, c_deg, {0, 0, 0}, 1, sense).turn_rad / kDegree_rad;
-  }
-
- private:
-  const Controller& controller_;
-  Machine machine_;
-  Model nothing_;
-  std::unique_ptr<CompensationTask> task_;
-  std::unique_ptr<PlayedCompensation> played_;
-};
 
 /// X, Y, Z in um.
 MATCHER_P3(MovesUm, x, y, z, "") {

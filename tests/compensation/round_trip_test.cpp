@@ -114,9 +114,9 @@ TEST_P(RoundTrip, WhatIsPlayedIsWhatWasMeantToTheHalfDigitsThatItIsMadeOf) {
     // A's and C's errors: 4 decimals of mm and of deg.
     if (GetParam() == "heidenhain")
       linear_mm = three * 2 * (0.5e-4 + 0.5e-4 * kDegree_rad * corner_mm), rotary_rad = 0.5e-4 * kDegree_rad;
-    // Half a unit of 3623 after the reference, and half a unit at it on the way down; places with 4 decimals.
+    // Half a unit of 3623 wherever the axis stands and on either way; places with 4 decimals.
     if (GetParam() == "fanuc-30i")
-      linear_mm = three * 4 * 0.5e-4, rotary_rad = 2 * 0.5e-4 * magnification(files) * kDegree_rad;
+      linear_mm = three * 4 * 0.5e-4, rotary_rad = 0.5e-4 * magnification(files) * kDegree_rad;
     // The map and six tables of levers: thousandths of um and of mdeg, 4 decimals.
     if (GetParam() == "aerotech") linear_mm = three * 7 * 0.5e-7, rotary_rad = 0.5e-7 * kDegree_rad;
     if (GetParam() == "linuxcnc")
