@@ -1,3 +1,10 @@
+# In builds of the developers, whatever runs once a call or a test compiles no further than -O1: a fifth less to wait.
+function(trunnion_compile_lightly TARGET)
+  if(CMAKE_CXX_FLAGS MATCHES "-O2")
+    target_compile_options(${TARGET} PRIVATE -O1)
+  endif()
+endfunction()
+
 # trunnion_part(NAME SOURCES a.cpp … [LINK part …] [PRIVATE library …])
 #
 # One library a part: trunnion::NAME. LINK names the parts it may include (they restate the diagram of docs/architecture.md,
@@ -51,9 +58,7 @@ function(trunnion_test NAME)
   target_link_libraries(${NAME} PRIVATE trunnion_warnings ${TEST_LINK} GTest::gmock GTest::gtest_main)
   target_include_directories(${NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(${NAME} PRIVATE TRUNNION_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  if(CMAKE_CXX_FLAGS MATCHES "-O2")
-    target_compile_options(${NAME} PRIVATE -O1)
-  endif()
+  trunnion_compile_lightly(${NAME})
   set(labels)
   if(TEST_LABELS)
     set(labels PROPERTIES LABELS "${TEST_LABELS}")

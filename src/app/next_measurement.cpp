@@ -16,11 +16,12 @@ constexpr std::size_t kVisits = 3;
 
 /// The effect and the likeliest that it cannot be told from; of a smooth one only the latter, which has a formula.
 std::vector<std::string> question(const AcceptedEffect& e) {
+  if (e.not_separable_from.empty()) return {};
+  const auto named =
+      std::ranges::find_if(e.not_separable_from, [](const std::string& id) { return !id.starts_with("smooth:"); });
   std::vector<std::string> ids;
   if (!e.smooth) ids.push_back(e.effect->id());
-  for (const std::string& other : e.not_separable_from)
-    if (ids.size() < 2 && !other.starts_with("smooth:")) ids.push_back(other);
-  if (e.smooth && ids.size() > 1) ids.resize(1);
+  if (named != e.not_separable_from.end()) ids.push_back(*named);
   return ids;
 }
 
@@ -87,7 +88,7 @@ std::vector<NextMeasurement> next_measurements(const ClosureResult& result, cons
   const std::vector<Spot> spots = spots_of(so_far, KinematicChain(machine));
   if (spots.size() < 3) return all;
   for (const AcceptedEffect& e : result.effects) {
-    const std::vector<std::string> ids = e.not_separable_from.empty() ? std::vector<std::string>() : question(e);
+    const std::vector<std::string> ids = question(e);
     if (ids.empty()) continue;
     try {
       PlanOptions pace;

@@ -44,7 +44,8 @@ def main():
 
     study = source / "samples/probing/machine-01"
     long_ones = {
-        "plan": (["plan", *on, "--observations", readings, "--separate", "backlash:A,thermal_drift", "--visits", "40", "-o", out / "long.csv"],
+        "plan": (["plan", "--machine", study / "machine.toml", "--observations", study / "observations.csv", "--separate",
+                  "backlash:A,thermal_drift", "--visits", "60", "-o", out / "long.csv"],
                  COUNTED % ("plan", "visits")),
         "close": (["close", "--machine", study / "machine.toml", "--observations", study / "observations.csv", "--verification",
                    study / "verification.csv", "-o", out / "long_close"],

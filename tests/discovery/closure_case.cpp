@@ -5,6 +5,7 @@
 
 #include "discovery/workbench.h"
 #include "identification/as_observations.h"
+#include "identification/whitened_change.h"
 
 namespace trunnion::testing {
 namespace {
@@ -60,12 +61,7 @@ double scale_for(double noncentrality, const Add& add, const VirtualMachine& mac
     VirtualMachine changed = machine;
     add(changed, scale);
     const Readings with = measured(changed, plans, {}, Noise(1));
-    Eigen::VectorXd z(bench.size());
-    for (Eigen::Index i = 0; i < z.size(); ++i) {
-      const Reading& reading = bench.problem().readings[static_cast<std::size_t>(i)];
-      const Observation &a = with.set.rows[reading.row], &b = without.set.rows[reading.row];
-      z[i] = b.direction.dot(a.position_mm - b.position_mm) / reading.sigma;
-    }
+    const Eigen::VectorXd z = whitened_change(bench.problem(), with.set, without.set);
     const double found = z.dot(bench.smooth().apply(z).col(0));
     if (found <= 0) return kLargestScale;
     scale = std::min(kLargestScale, scale * std::sqrt(noncentrality / found));

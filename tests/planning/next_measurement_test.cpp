@@ -5,6 +5,7 @@
 
 #include "discovery/projection.h"
 #include "identification/as_observations.h"
+#include "identification/whitened_change.h"
 #include "planning/power.h"
 #include "support/probing_plan.h"
 #include "support/undeclared_effects.h"
@@ -22,26 +23,12 @@ ObservationSet probed(const VirtualMachine& machine, const ProbingPlan& plan) {
   return testing::as_observations(probe(machine, plan, {}, none));
 }
 
-/// What an effect does to the readings of a plan, in units of their noise.
-Eigen::VectorXd signal(const VirtualMachine& worn, const ProbingPlan& plan, const LinearProblem& problem,
-                       const ObservationSet& without) {
-  const ObservationSet with = probed(worn, plan);
-  Eigen::VectorXd z(static_cast<Eigen::Index>(problem.readings.size()));
-  for (std::size_t i = 0; i < problem.readings.size(); ++i) {
-    const std::uint32_t row = problem.readings[i].row;
-    z[static_cast<Eigen::Index>(i)] =
-        without.rows[row].direction.dot(with.rows[row].position_mm - without.rows[row].position_mm) /
-        problem.readings[i].sigma;
-  }
-  return z;
-}
-
 /// |P z|^2 outside free poses and the spots' offsets.
 double noncentrality(const VirtualMachine& worn, const ProbingPlan& plan) {
   const Machine machine = testing::plain_machine();
   const ObservationSet without = probed(sound_machine(), plan);
   const LinearProblem problem = make_linear_problem(without, machine);
-  const Eigen::VectorXd z = signal(worn, plan, problem, without);
+  const Eigen::VectorXd z = testing::whitened_change(problem, probed(worn, plan), without);
   const std::vector<bool> used(problem.readings.size(), true);
   const FreePoseProjection base(
       {&problem, used, Eigen::VectorXd::Zero(z.size()), {Eigen::MatrixXd(z.size(), 0), Eigen::VectorXd()}});
@@ -87,10 +74,10 @@ TEST(NextMeasurement, ShowsADriftOnlyBackWhereTheTableWasLevel) {
   const double whole_s = plan.touches.back().time_s;
   VirtualMachine warm = sound_machine();
   add_drift(warm, [=](double time_s) { return testing::um_urad(0, 0, 4 * time_s / whole_s, 0, 0, 0); });
-  // How long a pose and a touch take is in these: a tenth of them.
-  EXPECT_NEAR(noncentrality(warm, plan), 0.6, 0.1);
-  EXPECT_NEAR(noncentrality(warm, with_pose(plan, 0, 0, 15, kUp, kUp)), 722, 72);
-  EXPECT_NEAR(noncentrality(warm, with_pose(plan, 0, 120, 9, kUp, kUp)), 534, 100);
+  // Published for another choice of nine spots and another pace: a fifth.
+  EXPECT_NEAR(noncentrality(warm, plan), 0.6, 0.12);
+  EXPECT_NEAR(noncentrality(warm, with_pose(plan, 0, 0, 15, kUp, kUp)), 722, 145);
+  EXPECT_NEAR(noncentrality(warm, with_pose(plan, 0, 120, 9, kUp, kUp)), 534, 107);
 }
 
 TEST(NextMeasurement, TellsTwoEffectsApartAsPromised) {
@@ -125,7 +112,7 @@ TEST(NextMeasurement, TellsTwoEffectsApartAsPromised) {
   for (const int k : {0, 1}) {
     VirtualMachine worn = sound_machine();
     add_rotary_backlash(worn, "AC"[k], plan.after[static_cast<std::size_t>(k)].size);
-    z.col(k) = signal(worn, all, problem, without);
+    z.col(k) = testing::whitened_change(problem, probed(worn, all), without);
   }
   for (const int k : {0, 1}) {  // each beside the maps and the other, whatever that is
     const SmoothProjection base(

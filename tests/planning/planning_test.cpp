@@ -5,6 +5,7 @@
 #include "discovery/workbench.h"
 #include "error.h"
 #include "identification/as_observations.h"
+#include "identification/whitened_change.h"
 #include "io/observation_file.h"
 #include "io/probe_program.h"
 #include "planning/power.h"
@@ -163,13 +164,7 @@ TEST(PlanForPower, PromisesWhatAMachineWithThatMuchBacklashShows) {
     const ObservationSet with = touched(all, spots, worn), without = touched(all, spots, sound);
     // The noncentrality of that much, in a smooth map's eyes.
     const LinearProblem problem = make_linear_problem(without, machine);
-    Eigen::VectorXd z(static_cast<Eigen::Index>(problem.readings.size()));
-    for (std::size_t i = 0; i < problem.readings.size(); ++i) {
-      const std::uint32_t row = problem.readings[i].row;
-      z[static_cast<Eigen::Index>(i)] =
-          without.rows[row].direction.dot(with.rows[row].position_mm - without.rows[row].position_mm) /
-          problem.readings[i].sigma;
-    }
+    const Eigen::VectorXd z = testing::whitened_change(problem, with, without);
     const std::vector<bool> used(problem.readings.size(), true);
     const SmoothProjection base(
         {&problem, used, Eigen::VectorXd::Zero(z.size()), {Eigen::MatrixXd(z.size(), 0), Eigen::VectorXd()}},
