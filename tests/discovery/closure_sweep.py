@@ -3,6 +3,8 @@
     closure_sweep.py --program closure_sweep [--draws 100] [--nulls 400] [--jobs N] [--rows FILE] [--page PAGE]
     closure_sweep.py --again FILE [--page PAGE]        the tables of the rows that an earlier run kept
 
+--rows names the file to which rows are added as they come; a run that was stopped goes on from it.
+
 Exit status 1 where fewer than 95 % of the undeclared effects that can be seen are named, more than 5 % of what is
 accepted is wrong, or more than 3 % of the machines that lack nothing are said to lack something; alike for pieces."""
 import argparse
@@ -155,12 +157,20 @@ def piece_table(rows):
 
 
 def all_rows(options):
+    """What the file of rows has is not done again: a sweep that was stopped goes on."""
     names = json.loads(subprocess.run([options.program, "list"], capture_output=True, text=True, check=True).stdout)
+    rows = [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows and options.rows.exists() else []
+    done = {(r["kind"], r["measured"], r["name"], r["seed"]) for r in rows}
     pieces = [(kind, measured, name, first, min(BATCH, count - first))
               for kind, measured, name, count in tasks(options, names["effects"], names["inventions"])
-              for first in range(0, count, BATCH)]
+              for first in range(0, count, BATCH) if (kind, measured, name, first) not in done]
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        return [row for done in pool.map(lambda piece: run(options.program, *piece), pieces) for row in done]
+        for finished in concurrent.futures.as_completed(pool.submit(run, options.program, *piece) for piece in pieces):
+            rows += finished.result()
+            if options.rows:
+                with open(options.rows, "a", encoding="utf-8") as file:
+                    file.write("".join(json.dumps(r) + "\n" for r in finished.result()))
+    return sorted(rows, key=lambda r: (r["kind"], r["measured"], r["name"], r["seed"]))
 
 
 def main():
@@ -178,8 +188,6 @@ def main():
         rows = [json.loads(line) for line in options.again.read_text().splitlines()]
     else:
         rows = all_rows(options)
-    if options.rows:
-        options.rows.write_text("".join(json.dumps(r) + "\n" for r in rows))
     effects, named = effect_table(rows)
     nulls, alarms = null_table(rows)
     pieces, of_pieces = piece_table(rows)
