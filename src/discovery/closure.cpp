@@ -238,7 +238,7 @@ class Search {
   void consider_fallback(std::optional<Choice>& choice) {
     if (fallback_closed_) return;
     const std::optional<SmoothCandidate> found =
-        best_smooth_candidate(bench_.problem(), bench_.smooth(), scope_, options_.smooth_level);
+        best_smooth_candidate(bench_.problem(), bench_.smooth(), scope_, on_measurement(), options_.smooth_level);
     if (!found) return;
     Choice fallback{.candidate = found->candidate};
     judge(fallback);
@@ -249,6 +249,17 @@ class Search {
     const bool wanted =
         chi2_fails() && (!choice || (ahead > kFallbackPreference && !explains(*choice) && explains(fallback)));
     if (wanted || ahead > kBeyondDoubt) choice = std::move(fallback);
+  }
+
+  /// Columns of the data by which an accepted smooth effect acts on the measurement. Where the machine stands is none:
+  /// what depends on that is the machine's unless its direction says otherwise.
+  std::vector<std::string> on_measurement() const {
+    std::vector<std::string> columns;
+    for (const Candidate& c : bench_.accepted)
+      if (is_base(family_of(c.effect->id()).name) && c.effect->origin() == Origin::measurement)
+        for (const std::string& column : c.effect->depends_on())
+          if (std::ranges::find(scope_.columns, column) != scope_.columns.end()) columns.push_back(column);
+    return columns;
   }
 
   /// The poses kept back decide: their error is looked at once, after the choice. Where they would hardly feel the

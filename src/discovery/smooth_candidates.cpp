@@ -69,8 +69,13 @@ struct Trial {
 /// products of those that do best alone.
 class Trials {
  public:
-  Trials(const LinearProblem& problem, const Projection& base, const CandidateScope& scope)
-      : problem_(problem), base_(base), scope_(scope), covariates_(covariates(problem, scope)) {}
+  Trials(const LinearProblem& problem, const Projection& base, const CandidateScope& scope,
+         const std::vector<std::string>& on_measurement)
+      : problem_(problem),
+        base_(base),
+        scope_(scope),
+        on_measurement_(on_measurement),
+        covariates_(covariates(problem, scope)) {}
 
   /// All that were tried, those that hide in the base among them.
   std::size_t attempts() const { return attempts_; }
@@ -93,11 +98,13 @@ class Trials {
  private:
   void attempt(std::vector<std::size_t> which, SmoothDirection direction, double scale) {
     std::vector<SmoothAxis> axes;
+    Origin ascribed = Origin::machine;
     for (const std::size_t k : which) {
       const Covariate& c = covariates_[k];
       axes.push_back({c.column, c.low, c.high, scale * (c.high - c.low)});
+      if (std::ranges::find(on_measurement_, c.column) != on_measurement_.end()) ascribed = Origin::measurement;
     }
-    const auto term = make_smooth(std::move(axes), direction, scope_.context);
+    const auto term = make_smooth(std::move(axes), direction, scope_.context, ascribed);
     const ProcessGain process = best_process_gain(base_, unit_prior_columns(problem_, *term));
     ++attempts_;
     if (process.visible_fraction > kLeastVisible) tried_.push_back({term, process, std::move(which), scale});
@@ -133,6 +140,7 @@ class Trials {
   const LinearProblem& problem_;
   const Projection& base_;
   const CandidateScope& scope_;
+  const std::vector<std::string>& on_measurement_;
   std::vector<Covariate> covariates_;
   std::vector<Trial> tried_;
   std::size_t attempts_ = 0;
@@ -141,8 +149,9 @@ class Trials {
 }  // namespace
 
 std::optional<SmoothCandidate> best_smooth_candidate(const LinearProblem& problem, const Projection& base,
-                                                     const CandidateScope& scope, double level) {
-  Trials trials(problem, base, scope);
+                                                     const CandidateScope& scope,
+                                                     const std::vector<std::string>& on_measurement, double level) {
+  Trials trials(problem, base, scope, on_measurement);
   const std::vector<Trial>& tried = trials.run();
   if (tried.empty()) return std::nullopt;
   const auto attempts = static_cast<double>(trials.attempts());

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "discovery/candidate.h"
 
@@ -15,8 +17,10 @@ struct SmoothCandidate {
 
 /// The smooth effect with the highest likelihood among one or two covariates of all columns that the readings carry and
 /// what can be derived from them, along the machine's axes, the table's axes or the approach; empty if none beats the
-/// threshold that projected noise reaches with probability `level`.
+/// threshold that projected noise reaches with probability `level`. What depends on a column that was seen to act on
+/// the measurement (`on_measurement`) is ascribed to the measurement, whichever way it points.
 std::optional<SmoothCandidate> best_smooth_candidate(const LinearProblem& problem, const Projection& base,
-                                                     const CandidateScope& scope, double level);
+                                                     const CandidateScope& scope,
+                                                     const std::vector<std::string>& on_measurement, double level);
 
 }  // namespace trunnion

@@ -97,6 +97,20 @@ TEST(Closure, FindsATurnOfTheTiltThatDependsOnItsSenseAndItsAngle) {
   EXPECT_LT(map_error_um(outcome.closure.model, outcome), 0.8 * map_error_um(outcome.closure.bare_model, outcome));
 }
 
+TEST(Closure, AscribesToTheMeasurementWhatGoesByAColumnThatActsOnIt) {
+  // The draught bends the probe in side touches alone: along the approach, less a Z where the approach is that.
+  const auto& all = testing::inventions();
+  const auto draught = std::ranges::find(all, "draught on the probe", &testing::Invention::name);
+  ASSERT_NE(draught, all.end());
+  const testing::ClosureOutcome outcome = close_case(
+      {.seed = 2, .invention = &*draught, .measured = testing::Measured::three_passes_verified, .noncentrality = 410});
+  ASSERT_EQ(outcome.closure.effects.size(), 2U);
+  for (const AcceptedEffect& e : outcome.closure.effects) {
+    EXPECT_EQ(e.effect->id(), "smooth:draught");
+    EXPECT_EQ(e.effect->origin(), Origin::measurement);
+  }
+}
+
 TEST(Closure, NamesASquarenessAsSuchThoughASmoothEffectWouldDo) {
   const testing::ClosureOutcome outcome = close_case(
       {.seed = 3, .effects = {"squareness:XZ"}, .measured = testing::Measured::three_passes, .noncentrality = 400});

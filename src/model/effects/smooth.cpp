@@ -112,8 +112,9 @@ std::optional<double> smooth_covariate(const std::string& column, const Situatio
   return s.covariate(name);
 }
 
-SmoothTerm::SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context)
-    : axes_(std::move(axes)), direction_(direction), context_(context) {
+SmoothTerm::SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context,
+                       Origin ascribed)
+    : axes_(std::move(axes)), direction_(direction), context_(context), ascribed_(ascribed) {
   if (axes_.empty() || axes_.size() > 2) throw ModelError("effect smooth: one or two columns are wanted");
   std::vector<std::vector<double>> variances;
   for (const SmoothAxis& axis : axes_) {
@@ -189,7 +190,7 @@ Origin SmoothTerm::origin() const {
   for (const std::string& column : depends_on())
     for (const char* of_measurement : {"nx", "ny", "nz", "point", "artifact", "repeat", "order", "order_in_pose"})
       if (column == of_measurement) return Origin::measurement;
-  return Origin::machine;
+  return ascribed_;
 }
 
 Eigen::VectorXd SmoothTerm::raw_functions(const std::vector<double>& covariates) const {
@@ -267,16 +268,18 @@ std::shared_ptr<SmoothTerm> SmoothTerm::read(const std::string& detail, const js
     axes.push_back({entry["column"].get<std::string>(), number_at(entry, "low", where + ": axes"),
                     number_at(entry, "high", where + ": axes"), number_at(entry, "length_scale", where + ": axes")});
   }
-  auto term = std::make_shared<SmoothTerm>(std::move(axes),
-                                           static_cast<SmoothDirection>(found - std::begin(kDirections)), context);
+  const auto direction = static_cast<SmoothDirection>(found - std::begin(kDirections));
+  const bool of_measurement = j.contains("origin") && j["origin"] == "measurement";
+  auto term = std::make_shared<SmoothTerm>(std::move(axes), direction, context,
+                                           of_measurement ? Origin::measurement : Origin::machine);
   if (term->id() != "smooth:" + detail) throw ModelError(where + ": its axes are those of " + term->id());
   term->read_parameters(j);
   return term;
 }
 
 std::shared_ptr<const SmoothTerm> make_smooth(std::vector<SmoothAxis> axes, SmoothDirection direction,
-                                              const EffectContext& context) {
-  return std::make_shared<SmoothTerm>(std::move(axes), direction, context);
+                                              const EffectContext& context, Origin ascribed) {
+  return std::make_shared<SmoothTerm>(std::move(axes), direction, context, ascribed);
 }
 
 Family smooth_family() {

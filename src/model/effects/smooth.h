@@ -35,10 +35,12 @@ inline constexpr SmoothDirection kSmoothDirections[] = {
 /// prior_variances()[k].
 class SmoothTerm : public Effect {
  public:
-  SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context);
+  SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context,
+             Origin ascribed = Origin::machine);
 
   std::string id() const override;
-  /// The measurement's where it depends on the approach, the artifact, the pass or the order; else the machine's.
+  /// The measurement's where it depends on the approach, the artifact, the pass or the order, or was ascribed to it;
+  /// else the machine's.
   Origin origin() const override;
   std::vector<std::string> depends_on() const override;
   Matrix6Xd basis(const Situation& situation) const override;
@@ -65,6 +67,7 @@ class SmoothTerm : public Effect {
   std::vector<SmoothAxis> axes_;
   SmoothDirection direction_;
   EffectContext context_;
+  Origin ascribed_;
   std::vector<std::vector<int>> terms_;  ///< per function, the number of its factor on each axis
   Eigen::VectorXd prior_variances_;
   Eigen::VectorXd at_zero_;
@@ -72,7 +75,7 @@ class SmoothTerm : public Effect {
 
 /// Throws ModelError unless there are one or two axes, each with high > low and a positive length scale (or a circle).
 std::shared_ptr<const SmoothTerm> make_smooth(std::vector<SmoothAxis> axes, SmoothDirection direction,
-                                              const EffectContext& context);
+                                              const EffectContext& context, Origin ascribed = Origin::machine);
 
 /// The value of a smooth axis' column in a situation; empty where it is not known.
 std::optional<double> smooth_covariate(const std::string& column, const Situation& situation,
