@@ -161,9 +161,11 @@ def all_rows(options):
     names = json.loads(subprocess.run([options.program, "list"], capture_output=True, text=True, check=True).stdout)
     rows = [json.loads(line) for line in options.rows.read_text().splitlines()] if options.rows and options.rows.exists() else []
     done = {(r["kind"], r["measured"], r["name"], r["seed"]) for r in rows}
-    pieces = [(kind, measured, name, first, min(BATCH, count - first))
-              for kind, measured, name, count in tasks(options, names["effects"], names["inventions"])
-              for first in range(0, count, BATCH) if (kind, measured, name, first) not in done]
+    pieces = []
+    for kind, measured, name, count in tasks(options, names["effects"], names["inventions"]):
+        missing = [seed for seed in range(count) if (kind, measured, name, seed) not in done]
+        first = missing[0] if missing else count
+        pieces += [(kind, measured, name, at, min(BATCH, count - at)) for at in range(first, count, BATCH)]
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for finished in concurrent.futures.as_completed(pool.submit(run, options.program, *piece) for piece in pieces):
             rows += finished.result()
