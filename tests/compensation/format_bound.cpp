@@ -83,7 +83,8 @@ class Best : public PlayedCompensation {
           const auto row = static_cast<int>(wanted.size());
           for (Eigen::Index k = 0; k < 3; ++k) wanted.push_back(-d[k]);
           for (Eigen::Index k = 0; k < 2; ++k) wanted.push_back(-kEngaged_mm * e.rotation_rad[k]);
-          const auto [about_a, about_c] = axes(s);
+          const auto both = axes(s);
+          const Eigen::Vector3d about_a = both.first, about_c = both.second;
           const Eigen::Vector3d a_moves = about_a.cross(s.point_r_mm - tilt_.origin_mm),
                                 c_moves = about_c.cross(s.point_r_mm - turn_place(s));
           each(s, [&](Eigen::Index unknown, const Motion& moves) {
