@@ -96,15 +96,23 @@ class Trials {
   }
 
  private:
+  /// A column on the measurement is tried along the approach and along its part along Z, others not along that part.
+  bool sensible(const std::vector<std::size_t>& which, SmoothDirection direction) const {
+    const bool measured = std::ranges::any_of(which, [&](std::size_t k) {
+      return std::ranges::find(on_measurement_, covariates_[k].column) != on_measurement_.end();
+    });
+    if (direction == SmoothDirection::approach) return true;
+    return measured == (direction == SmoothDirection::approach_z);
+  }
+
   void attempt(std::vector<std::size_t> which, SmoothDirection direction, double scale) {
+    if (!sensible(which, direction)) return;
     std::vector<SmoothAxis> axes;
-    Origin ascribed = Origin::machine;
     for (const std::size_t k : which) {
       const Covariate& c = covariates_[k];
       axes.push_back({c.column, c.low, c.high, scale * (c.high - c.low)});
-      if (std::ranges::find(on_measurement_, c.column) != on_measurement_.end()) ascribed = Origin::measurement;
     }
-    const auto term = make_smooth(std::move(axes), direction, scope_.context, ascribed);
+    const auto term = make_smooth(std::move(axes), direction, scope_.context);
     const ProcessGain process = best_process_gain(base_, unit_prior_columns(problem_, *term));
     ++attempts_;
     if (process.visible_fraction > kLeastVisible) tried_.push_back({term, process, std::move(which), scale});

@@ -97,8 +97,8 @@ TEST(Closure, FindsATurnOfTheTiltThatDependsOnItsSenseAndItsAngle) {
   EXPECT_LT(map_error_um(outcome.closure.model, outcome), 0.8 * map_error_um(outcome.closure.bare_model, outcome));
 }
 
-TEST(Closure, AscribesToTheMeasurementWhatGoesByAColumnThatActsOnIt) {
-  // The draught bends the probe in side touches alone: along the approach, less a Z where the approach is that.
+TEST(Closure, SeeksNothingOfTheMachineInAColumnThatActsOnTheMeasurement) {
+  // The draught bends the probe in side touches alone: along the approach, but for its part along Z.
   const auto& all = testing::inventions();
   const auto draught = std::ranges::find(all, "draught on the probe", &testing::Invention::name);
   ASSERT_NE(draught, all.end());

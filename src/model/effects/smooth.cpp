@@ -20,8 +20,8 @@ using std::numbers::pi;
 constexpr int kMostFunctions = 200;   // on one axis
 constexpr double kNegligible = 1e-7;  // of the largest prior variance
 constexpr double kLever_mm = 100;     // at which a rotation counts like a length
-constexpr const char* kDirections[] = {"x",       "y",        "z",          "table_x",   "table_y",
-                                       "table_z", "approach", "about_tilt", "about_turn"};
+constexpr const char* kDirections[] = {"x",       "y",        "z",          "table_x",    "table_y",
+                                       "table_z", "approach", "about_tilt", "about_turn", "approach_z"};
 static_assert(std::size(kDirections) == std::size(kSmoothDirections));
 
 bool turns(SmoothDirection d) { return d == SmoothDirection::about_tilt || d == SmoothDirection::about_turn; }
@@ -112,9 +112,8 @@ std::optional<double> smooth_covariate(const std::string& column, const Situatio
   return s.covariate(name);
 }
 
-SmoothTerm::SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context,
-                       Origin ascribed)
-    : axes_(std::move(axes)), direction_(direction), context_(context), ascribed_(ascribed) {
+SmoothTerm::SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context)
+    : axes_(std::move(axes)), direction_(direction), context_(context) {
   if (axes_.empty() || axes_.size() > 2) throw ModelError("effect smooth: one or two columns are wanted");
   std::vector<std::vector<double>> variances;
   for (const SmoothAxis& axis : axes_) {
@@ -181,6 +180,8 @@ std::vector<std::string> SmoothTerm::depends_on() const {
   }
   if (direction_ == SmoothDirection::approach)
     for (const char* part : {"nx", "ny", "nz"}) add(part);
+  else if (direction_ == SmoothDirection::approach_z)
+    add("nz");
   else if (direction_ >= SmoothDirection::table_x && !turns(direction_))
     add(tilt), add("C_deg");
   return columns;
@@ -190,7 +191,7 @@ Origin SmoothTerm::origin() const {
   for (const std::string& column : depends_on())
     for (const char* of_measurement : {"nx", "ny", "nz", "point", "artifact", "repeat", "order", "order_in_pose"})
       if (column == of_measurement) return Origin::measurement;
-  return ascribed_;
+  return Origin::machine;
 }
 
 Eigen::VectorXd SmoothTerm::raw_functions(const std::vector<double>& covariates) const {
@@ -228,6 +229,8 @@ Vector6d SmoothTerm::direction_r(const Situation& s) const {
   const int k = static_cast<int>(direction_);
   if (direction_ == SmoothDirection::approach)
     c.head<3>() = s.approach_r;
+  else if (direction_ == SmoothDirection::approach_z)
+    c[2] = s.approach_r.z();
   else if (k < 3)
     c[k] = 1;
   else
@@ -258,8 +261,9 @@ std::shared_ptr<SmoothTerm> SmoothTerm::read(const std::string& detail, const js
       j.contains("direction") && j["direction"].is_string() ? j["direction"].get<std::string>() : "";
   const auto* const found = std::ranges::find(kDirections, given);
   if (found == std::end(kDirections))
-    throw ModelError(
-        where + ": direction: one of x, y, z, table_x, table_y, table_z, approach, about_tilt, about_turn is wanted");
+    throw ModelError(where +
+                     ": direction: one of x, y, z, table_x, table_y, table_z, approach, about_tilt, about_turn, "
+                     "approach_z is wanted");
   if (!j.contains("axes") || !j["axes"].is_array()) throw ModelError(where + ": axes: a list is wanted");
   std::vector<SmoothAxis> axes;
   for (const json& entry : j["axes"]) {
@@ -268,18 +272,16 @@ std::shared_ptr<SmoothTerm> SmoothTerm::read(const std::string& detail, const js
     axes.push_back({entry["column"].get<std::string>(), number_at(entry, "low", where + ": axes"),
                     number_at(entry, "high", where + ": axes"), number_at(entry, "length_scale", where + ": axes")});
   }
-  const auto direction = static_cast<SmoothDirection>(found - std::begin(kDirections));
-  const bool of_measurement = j.contains("origin") && j["origin"] == "measurement";
-  auto term = std::make_shared<SmoothTerm>(std::move(axes), direction, context,
-                                           of_measurement ? Origin::measurement : Origin::machine);
+  auto term = std::make_shared<SmoothTerm>(std::move(axes),
+                                           static_cast<SmoothDirection>(found - std::begin(kDirections)), context);
   if (term->id() != "smooth:" + detail) throw ModelError(where + ": its axes are those of " + term->id());
   term->read_parameters(j);
   return term;
 }
 
 std::shared_ptr<const SmoothTerm> make_smooth(std::vector<SmoothAxis> axes, SmoothDirection direction,
-                                              const EffectContext& context, Origin ascribed) {
-  return std::make_shared<SmoothTerm>(std::move(axes), direction, context, ascribed);
+                                              const EffectContext& context) {
+  return std::make_shared<SmoothTerm>(std::move(axes), direction, context);
 }
 
 Family smooth_family() {

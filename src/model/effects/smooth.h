@@ -20,13 +20,14 @@ struct SmoothAxis {
   friend bool operator==(const SmoothAxis&, const SmoothAxis&) = default;
 };
 
-/// How a smooth effect moves the workpiece: along an axis of R, along an axis of W as it stands, along the approach, or
-/// as one of the rotary joints turns.
-enum class SmoothDirection { x, y, z, table_x, table_y, table_z, approach, about_tilt, about_turn };
+/// How a smooth effect moves the workpiece: along an axis of R, along an axis of W as it stands, along the approach, as
+/// one of the rotary joints turns, or along the approach's part along Z: what a probe does otherwise from above than
+/// from the side.
+enum class SmoothDirection { x, y, z, table_x, table_y, table_z, approach, about_tilt, about_turn, approach_z };
 inline constexpr SmoothDirection kSmoothDirections[] = {
-    SmoothDirection::x,        SmoothDirection::y,          SmoothDirection::z,
-    SmoothDirection::table_x,  SmoothDirection::table_y,    SmoothDirection::table_z,
-    SmoothDirection::approach, SmoothDirection::about_tilt, SmoothDirection::about_turn};
+    SmoothDirection::x,          SmoothDirection::y,         SmoothDirection::z,        SmoothDirection::table_x,
+    SmoothDirection::table_y,    SmoothDirection::table_z,   SmoothDirection::approach, SmoothDirection::about_tilt,
+    SmoothDirection::about_turn, SmoothDirection::approach_z};
 
 /// e = (f(v) - f(v0)) c, a smooth function of one or two covariates times a way to move, v0 their values at the zero of
 /// every effect. f = sum_k beta_k phi_k is a Gaussian process with the squared-exponential kernel at reduced rank:
@@ -35,12 +36,10 @@ inline constexpr SmoothDirection kSmoothDirections[] = {
 /// prior_variances()[k].
 class SmoothTerm : public Effect {
  public:
-  SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context,
-             Origin ascribed = Origin::machine);
+  SmoothTerm(std::vector<SmoothAxis> axes, SmoothDirection direction, const EffectContext& context);
 
   std::string id() const override;
-  /// The measurement's where it depends on the approach, the artifact, the pass or the order, or was ascribed to it;
-  /// else the machine's.
+  /// The measurement's where it depends on the approach, the artifact, the pass or the order; else the machine's.
   Origin origin() const override;
   std::vector<std::string> depends_on() const override;
   Matrix6Xd basis(const Situation& situation) const override;
@@ -50,7 +49,8 @@ class SmoothTerm : public Effect {
   SmoothDirection direction() const { return direction_; }
   /// phi(v) - phi(v0); zero where a covariate is not known. The basis is their product with direction_r.
   Eigen::VectorXd functions(const Situation& situation) const;
-  /// c at R's origin: a unit vector (zero for the approach where nothing is touched), or a joint's rotation by 1 rad.
+  /// c at R's origin: a unit vector (zero for the approach where nothing is touched, for its part along Z shorter), or
+  /// a joint's rotation by 1 rad.
   Vector6d direction_r(const Situation& situation) const;
   /// Prior variance of each coefficient for a process of unit variance: 1 mm^2, for a rotation at a lever of 100 mm.
   const Eigen::VectorXd& prior_variances() const { return prior_variances_; }
@@ -67,7 +67,6 @@ class SmoothTerm : public Effect {
   std::vector<SmoothAxis> axes_;
   SmoothDirection direction_;
   EffectContext context_;
-  Origin ascribed_;
   std::vector<std::vector<int>> terms_;  ///< per function, the number of its factor on each axis
   Eigen::VectorXd prior_variances_;
   Eigen::VectorXd at_zero_;
@@ -75,7 +74,7 @@ class SmoothTerm : public Effect {
 
 /// Throws ModelError unless there are one or two axes, each with high > low and a positive length scale (or a circle).
 std::shared_ptr<const SmoothTerm> make_smooth(std::vector<SmoothAxis> axes, SmoothDirection direction,
-                                              const EffectContext& context, Origin ascribed = Origin::machine);
+                                              const EffectContext& context);
 
 /// The value of a smooth axis' column in a situation; empty where it is not known.
 std::optional<double> smooth_covariate(const std::string& column, const Situation& situation,
