@@ -25,12 +25,12 @@ chosen() {
   local small=(-type f -size -9k)
   case $1 in
     machine_fuzz) find machines samples tests/rejected "${small[@]}" -name '*.toml' -print0 | xargs -0 grep -lZ trunnion-machine ;;
-    job_fuzz) find samples tests/golden tests/rejected "${small[@]}" -name '*.toml' -print0 | xargs -0 grep -lZ trunnion-job ;;
+    job_fuzz) find samples tests/golden tests/rejected "${small[@]}" -name '*.toml' -print0 | xargs -0 grep -lZ -e work_offsets_mm -e '\[tools\]' ;;
     piece_fuzz) find samples tests/golden tests/rejected "${small[@]}" -name '*.toml' -print0 | xargs -0 grep -lZ trunnion-piece ;;
     observation_fuzz) find samples tests/rejected "${small[@]}" -name '*.csv' -print0 ;;
     model_fuzz) find samples tests/rejected "${small[@]}" -name '*.json' -print0 ;;
     nc_*_fuzz) find samples tests/golden tests/rejected "${small[@]}" \( -name '*.nc' -o -name '*.ngc' -o -name '*.mpf' -o -name '*.h' \) -print0 ;;
-    probe_log_fuzz) find samples tests/rejected tests/io "${small[@]}" -name '*log*' -print0 ;;
+    probe_log_fuzz) find tests/fuzz "${small[@]}" -name '*.log' -print0 ;;
     tables_fuzz_*) find samples/tables "${small[@]}" -print0 ;;
   esac
 }
