@@ -4,7 +4,7 @@
     correct_test.py PROGRAM SOURCE_DIR
 
 - A job that says compensated_by = "tables": only what the tables leave is corrected.
-- A dialect is told by the program, and the report says what was done.
+- A dialect is told by the program or asked for, and the report says what was done. --tcp is obeyed.
 - After a refusal nothing stands in the folder; with --keep-going the rest is corrected, played back, and the exit status is 1.
 - The report tells how much of every limit is used. --decimals is obeyed. 64 MiB are enough for a long program.
 """
@@ -117,8 +117,31 @@ def decimals_and_memory(folder):
     check(status == 0 and used.ru_maxrss < 64 * 1024, (status, used.ru_maxrss))
 
 
+def asked_for(folder):
+    """Where nothing tells the dialect it is asked for; --tcp on and off count whatever the machine's file says."""
+    (folder / "job.toml").write_text("[work_offsets_mm]\nG54 = [0, 0, 0]\n")
+    (folder / "plain.nc").write_text("G21 G90 G54\nG0 X60. Y0. Z50. A-60. C40.\nG1 X62. F500.\nM30\n")
+    told = MACHINE.read_text()
+    found = {}
+    for tcp in ("on", "off"):
+        (folder / "machine.toml").write_text(told.replace('controller = "linuxcnc"', 'controller = "aerotech"').replace(
+            'tcp = "on"', f'tcp = "{tcp}"'))
+        words = ["correct", "--machine", "machine.toml", "--model", MODEL, "--job", "job.toml", "plain.nc", "-o", "out.nc"]
+        asked = run(folder, *words)
+        check(asked.returncode == 2 and asked.stderr.startswith("trunnion: plain.nc: its dialect is not told by the program") and
+              "--dialect is wanted" in asked.stderr and not (folder / "out.nc").exists(), asked.stderr)
+        for forced in ("auto", "on", "off"):
+            result = run(folder, *words, "--dialect", "linuxcnc", "--tcp", forced)
+            check(result.returncode == 0, result.stderr)
+            found[tcp, forced] = re.sub(r"\(.*corrected by.*\)", "", (folder / "out.nc").read_text())
+            (folder / "out.nc").unlink()
+    check(found["on", "auto"] == found["on", "on"] == found["off", "on"], found)
+    check(found["off", "auto"] == found["off", "off"] == found["on", "off"], found)
+    check(found["on", "on"] != found["off", "off"], found)
+
+
 def main():
-    cases = (dialects, refusals, limits_and_assumptions, decimals_and_memory, compensated_by_tables)
+    cases = (asked_for, dialects, refusals, limits_and_assumptions, decimals_and_memory, compensated_by_tables)
     for case in cases:
         with tempfile.TemporaryDirectory() as name:
             case(pathlib.Path(name))
