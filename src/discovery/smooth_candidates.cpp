@@ -1,6 +1,7 @@
 #include "discovery/smooth_candidates.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,17 +42,41 @@ std::vector<Covariate> covariates(const LinearProblem& problem, const CandidateS
 
 bool rotary_angle(const std::string& column) { return column == "A_deg" || column == "B_deg" || column == "C_deg"; }
 
-Eigen::MatrixXd unit_prior_columns(const LinearProblem& problem, const SmoothTerm& term) {
-  const Eigen::VectorXd root = term.prior_variances().cwiseSqrt();
-  Eigen::MatrixXd z(static_cast<Eigen::Index>(problem.readings.size()), root.size());
-  for (Eigen::Index i = 0; i < z.rows(); ++i) {
-    const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
-    const Situation& s = problem.situations[reading.row];
-    const double along = reading.functional.dot(term.direction_r(s));
-    z.row(i) = (along / reading.sigma) * term.functions(s).cwiseProduct(root).transpose();
+/// What smooth terms do to the readings, one function a column with the prior of a process of unit variance. The
+/// functions are the same in every direction, and the directions whatever the functions: both are kept.
+class UnitPriorColumns {
+ public:
+  explicit UnitPriorColumns(const LinearProblem& problem) : problem_(problem) {}
+
+  Eigen::MatrixXd of(const SmoothTerm& term) {
+    if (axes_ != term.axes()) {
+      axes_ = term.axes();
+      functions_.resize(static_cast<Eigen::Index>(problem_.readings.size()), term.prior_variances().size());
+      Eigen::Index i = 0;
+      for (const Reading& reading : problem_.readings)
+        functions_.row(i++) = term.functions(problem_.situations[reading.row]).transpose();
+    }
+    const Eigen::RowVectorXd root = term.prior_variances().cwiseSqrt().transpose();
+    return (functions_.array().rowwise() * root.array()).colwise() * along(term).array();
   }
-  return z;
-}
+
+ private:
+  /// How far a term moves each reading per mm, in units of its sigma.
+  const Eigen::VectorXd& along(const SmoothTerm& term) {
+    Eigen::VectorXd& known = along_[static_cast<std::size_t>(term.direction())];
+    if (known.size() > 0) return known;
+    known.resize(static_cast<Eigen::Index>(problem_.readings.size()));
+    Eigen::Index i = 0;
+    for (const Reading& reading : problem_.readings)
+      known[i++] = reading.functional.dot(term.direction_r(problem_.situations[reading.row])) / reading.sigma;
+    return known;
+  }
+
+  const LinearProblem& problem_;
+  std::vector<SmoothAxis> axes_;
+  Eigen::MatrixXd functions_;
+  std::array<Eigen::VectorXd, std::size(kSmoothDirections)> along_;
+};
 
 constexpr double kFirstScale = 0.15;  // of the range: between the finest and the coarsest
 constexpr std::size_t kFollowed = 24, kLeading = 4, kLeadingDirections = 3;
@@ -71,11 +96,11 @@ class Trials {
  public:
   Trials(const LinearProblem& problem, const Projection& base, const CandidateScope& scope,
          const std::vector<std::string>& on_measurement)
-      : problem_(problem),
-        base_(base),
+      : base_(base),
         scope_(scope),
         on_measurement_(on_measurement),
-        covariates_(covariates(problem, scope)) {}
+        covariates_(covariates(problem, scope)),
+        columns_(problem) {}
 
   /// All that were tried, those that hide in the base among them.
   std::size_t attempts() const { return attempts_; }
@@ -113,7 +138,7 @@ class Trials {
       axes.push_back({c.column, c.low, c.high, scale * (c.high - c.low)});
     }
     const auto term = make_smooth(std::move(axes), direction, scope_.context);
-    const ProcessGain process = best_process_gain(base_, unit_prior_columns(problem_, *term));
+    const ProcessGain process = best_process_gain(base_, columns_.of(*term));
     ++attempts_;
     if (process.visible_fraction > kLeastVisible) tried_.push_back({term, process, std::move(which), scale});
   }
@@ -145,11 +170,11 @@ class Trials {
     std::ranges::stable_sort(tried_, std::greater<>{}, [](const Trial& t) { return t.process.gain; });
   }
 
-  const LinearProblem& problem_;
   const Projection& base_;
   const CandidateScope& scope_;
   const std::vector<std::string>& on_measurement_;
   std::vector<Covariate> covariates_;
+  UnitPriorColumns columns_;
   std::vector<Trial> tried_;
   std::size_t attempts_ = 0;
 };
@@ -176,7 +201,7 @@ std::optional<SmoothCandidate> best_smooth_candidate(const LinearProblem& proble
   SmoothCandidate found;
   const Eigen::VectorXd root = best->process.amplitude * best->term->prior_variances().cwiseSqrt();
   found.candidate.effect = best->term;
-  found.candidate.columns = best->process.amplitude * unit_prior_columns(problem, *best->term);
+  found.candidate.columns = best->process.amplitude * UnitPriorColumns(problem).of(*best->term);
   found.candidate.scale = root;
   found.candidate.precision = Eigen::VectorXd::Ones(root.size());
   found.candidate.members = attempts;
