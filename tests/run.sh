@@ -3,21 +3,24 @@
 #
 #   tests/run.sh [--slow] [CTEST-OPTION …]
 #
-# --slow also runs the long sweeps (label slow). Whatever follows goes to ctest, e.g. `-R errormap`.
+# --slow also runs the long sweeps (label slow), then all but these under the address and undefined-behaviour sanitizers, and
+# what runs on several threads under the thread sanitizer. Whatever follows goes to ctest, e.g. `-R errormap`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+slow=false
 selection=(--label-exclude slow)
 groups=()
 if [ "${1:-}" = --slow ]; then
+  slow=true
   selection=()
-  groups=(develop)
+  groups=(develop postgres fleet)
   shift
 fi
 
 cmake/install-dependencies.sh
 cmake/install-dependencies.sh "${groups[@]}" ||
-  echo "tests/run.sh: valgrind and doxygen cannot be installed here; the tests that need them will be skipped" >&2
+  echo "tests/run.sh: valgrind, doxygen, PostgreSQL, GNU parallel and Slurm cannot all be installed here; the tests that need them will be skipped" >&2
 cmake/install-dependencies.sh linuxcnc ||
   echo "tests/run.sh: LinuxCNC cannot be installed here; the tests that need it will be skipped" >&2
 { cmake/install-dependencies.sh browser && tests/report/install.sh build/test/browser; } ||
@@ -33,3 +36,16 @@ unset DISPLAY WAYLAND_DISPLAY
 cmake --preset test
 cmake --build --preset test
 ctest --preset test --parallel "$(nproc)" "${selection[@]}" "$@" </dev/null
+if ! "$slow"; then exit 0; fi
+
+# Without the system's random placement of memory, which not every version of these sanitizers can do with.
+fixed_addresses=(setarch "$(uname -m)" --addr-no-randomize)
+"${fixed_addresses[@]}" true 2>/dev/null || fixed_addresses=()
+cmake --preset asan
+cmake --build --preset asan
+"${fixed_addresses[@]}" ctest --preset asan --parallel "$(nproc)" --label-exclude slow "$@" </dev/null
+
+# The pipeline of correct, the envelope and draws of predict, and the progress that is told beside all of them.
+cmake --preset tsan
+cmake --build --preset tsan --target postproc_test testpiece_test progress_test
+"${fixed_addresses[@]}" ctest --preset tsan --parallel "$(nproc)" --label-regex threads --no-tests=error </dev/null

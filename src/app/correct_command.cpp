@@ -117,7 +117,7 @@ void warn_of_what_is_left(const CorrectionCounts& c, const Talk& talk) {
 
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
-  const std::string model_bytes = read_text(o.model);
+  const std::string model_bytes = read_text(o.model, kLargestJson_bytes);
   const Model model = parse_model(model_bytes, o.model, machine);
   check_same_machine(model, machine, o.model);
   for (const std::string& line : changed_inputs(model, o.model, {o.machine})) talk.warn(line);

@@ -68,10 +68,23 @@ std::string json_text(const json& value) {
 }
 
 json parse_json(std::string_view text, const std::string& name) {
+  if (text.size() > kLargestJson_bytes)
+    throw InputError(
+        name, std::to_string(text.size()) + " bytes found, " + std::to_string(kLargestJson_bytes) + " is the most");
   constexpr int kDeepest = 32;
+  // After every object the library walks over all that stand beside it: a million would take hours.
+  constexpr std::size_t kMostObjects = std::size_t{1} << 16;
+  constexpr std::size_t kMostKeys = std::size_t{1} << 20, kMostValues = std::size_t{1} << 24;
   std::vector<std::set<std::string>> keys;
+  std::size_t object_count = 0, key_count = 0, value_count = 0;
   const json::parser_callback_t callback = [&](int depth, json::parse_event_t event, json& parsed) {
     if (depth > kDeepest) throw InputError(name, "nested more than " + std::to_string(kDeepest) + " deep");
+    if (event == json::parse_event_t::object_start && ++object_count > kMostObjects)
+      throw InputError(name, "more than " + std::to_string(kMostObjects) + " objects found");
+    if (event == json::parse_event_t::key && ++key_count > kMostKeys)
+      throw InputError(name, "more than " + std::to_string(kMostKeys) + " keys found");
+    if (event == json::parse_event_t::value && ++value_count > kMostValues)
+      throw InputError(name, "more than " + std::to_string(kMostValues) + " values found");
     if (event == json::parse_event_t::object_start) keys.emplace_back();
     if (event == json::parse_event_t::object_end) keys.pop_back();
     if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -10,8 +11,11 @@ namespace trunnion {
 /// numbers in shortest round-trip form. Ends in a newline. A number that is not finite becomes null.
 std::string json_text(const nlohmann::json& value);
 
-/// JSON read strictly: what the library lets pass is refused too, repeated keys and nesting without end. Throws
-/// InputError with line and column; `name` stands for the file in messages.
+constexpr std::size_t kLargestJson_bytes = std::size_t{1} << 28;
+
+/// JSON read strictly: what the library lets pass is refused too, repeated keys and nesting without end; so are more
+/// than kLargestJson_bytes, 2^16 objects, 2^20 keys or 2^24 values, so that time and memory (2 GB) stay
+/// bounded. Throws InputError with line and column; `name` stands for the file in messages.
 nlohmann::json parse_json(std::string_view text, const std::string& name);
 
 }  // namespace trunnion

@@ -75,7 +75,7 @@ Model parse_model(std::string_view text, const std::string& name, const Machine&
 }
 
 Model read_model(const std::string& path, const Machine& machine) {
-  return parse_model(read_text(path, std::size_t{1} << 30), path, machine);
+  return parse_model(read_text(path, kLargestJson_bytes), path, machine);
 }
 
 std::string model_text(const Model& model) {

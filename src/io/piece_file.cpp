@@ -13,6 +13,7 @@ namespace trunnion {
 namespace {
 
 constexpr double kLargest_mm = 1e5;
+constexpr std::size_t kLargestPiece_bytes = std::size_t{1} << 24;
 
 /// A number of [low, high] (or above `low`, `above`), which must be there unless `otherwise` is given.
 struct Wanted {
@@ -144,7 +145,7 @@ TestPiece parse_piece(std::string_view text, const std::string& name) {
   return piece;
 }
 
-TestPiece read_piece(const std::string& path) { return parse_piece(read_text(path), path); }
+TestPiece read_piece(const std::string& path) { return parse_piece(read_text(path, kLargestPiece_bytes), path); }
 
 std::string piece_text(const TestPiece& piece) {
   // Angles that came from whole millionths of a degree go back to them.

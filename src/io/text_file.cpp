@@ -21,13 +21,13 @@ std::string read_text(const std::string& path, std::size_t most_bytes) {
   } const closer{file};
   struct stat info {};
   if (::fstat(file, &info) == 0 && S_ISDIR(info.st_mode)) throw fail("it is a folder");
+  constexpr std::size_t kChunk = std::size_t{1} << 20;
   std::string text;
   if (S_ISREG(info.st_mode)) {
     if (static_cast<std::size_t>(info.st_size) > most_bytes)
       throw fail(std::to_string(info.st_size) + " bytes are too many, " + std::to_string(most_bytes) + " is the most");
-    text.reserve(static_cast<std::size_t>(info.st_size) + 1);
+    text.reserve(static_cast<std::size_t>(info.st_size) + kChunk);  // the read that finds the end asks for room too
   }
-  constexpr std::size_t kChunk = std::size_t{1} << 20;
   for (;;) {
     const std::size_t have = text.size();
     text.resize(have + kChunk);
