@@ -15,7 +15,7 @@ std::string played(const json& j, const std::vector<std::string>& keys, const ch
   const auto value = number_at(j, keys);
   if (!value) return "–";
   if (*value == 0) return std::string("0\u00a0") + unit_symbol(unit);
-  if (std::abs(*value) < 1e-3) return std::string("&lt; 0.001\u00a0") + unit_symbol(unit);
+  if (std::abs(*value) < 1e-3) return std::string("&lt;0.001\u00a0") + unit_symbol(unit);
   return quantity(*value, std::nullopt, unit);
 }
 
@@ -52,6 +52,56 @@ Chart along_chart(const json& along, const char* what, const char* unit) {
     for (const json& v : along[key]) series.values.push_back(v.is_number() ? v.get<double>() : NAN);
   }
   return chart;
+}
+
+/// "−7.26 … 28.0 mm" of a pair, "5.89 µm" of a number.
+std::string span_text(const json& value, const std::string& unit) {
+  if (value.is_number()) return quantity(value.get<double>(), std::nullopt, unit);
+  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) return "–";
+  return quantity(value[0].get<double>(), std::nullopt, "") + " … " +
+         quantity(value[1].get<double>(), std::nullopt, unit);
+}
+
+/// What the corrected program asks of each limit, and where it asks the most.
+std::string limits_table(const json& playback) {
+  if (!playback.contains("limits") || playback["limits"].empty()) return "";
+  std::vector<std::vector<std::string>> rows;
+  for (const json& use : playback["limits"]) {
+    const std::string unit = text_at(use, "unit");
+    const auto span = [&](const char* key) { return use.contains(key) ? span_text(use[key], unit) : std::string("–"); };
+    std::string lines;
+    for (const json& line : use.contains("lines") ? use["lines"] : json::array({use.value("line", 0)}))
+      lines += (lines.empty() ? "" : ", ") + quantity(line.is_number() ? line.get<double>() : NAN, std::nullopt, "");
+    rows.push_back({element("code", escaped(text_at(use, "limit"))), span("used"), span("allowed"), lines});
+  }
+  return html_table("Limits: what the corrected program uses of them", {"limit", "used", "allowed", "at line"}, rows);
+}
+
+/// What was left as it was, and why; empty where nothing was.
+std::string left_uncorrected(const json& c) {
+  std::string html;
+  const json none = json::object();
+  const json& p = c.contains("playback") ? c["playback"] : none;
+  if (const double refused = number_at(p, {"refused_blocks"}).value_or(0); refused > 0) {
+    const double from = number_at(p, {"copied_from_line"}).value_or(0);
+    html += element("p",
+                    quantity(refused, std::nullopt, "") + " refused blocks are copied as they were" +
+                        (from > 0 ? ", and everything from line " + quantity(from, std::nullopt, "") + " on" : "") +
+                        "; the numbers below are of the rest.",
+                    "class=\"warning\"");
+  }
+  if (c.contains("refused") && !c["refused"].empty()) {
+    std::vector<std::vector<std::string>> rows;
+    for (const json& refusal : c["refused"])
+      rows.push_back({quantity(refusal.value("line", 0), std::nullopt, ""), escaped(text_at(refusal, "reason"))});
+    html += html_table("Refused blocks", {"line", "why"}, rows);
+  }
+  if (const double beyond = number_at(c, {"blocks_beyond_tolerance"}).value_or(0); beyond > 0)
+    html += element("p",
+                    "In " + quantity(beyond, std::nullopt, "") +
+                        " blocks the tip is further off between the end points than the tolerance allows.",
+                    "class=\"warning\"");
+  return html;
 }
 
 }  // namespace
@@ -105,12 +155,7 @@ Section program_section(const Evidence& evidence) {
                                      count("inserted_blocks") + " blocks inserted, " + count("copied_moves") +
                                      " moves copied. Dialect " + escaped(text_at(c, "dialect", "not said")) +
                                      ", tool-centre-point control " + escaped(text_at(c, "tcp", "not said")) + ".");
-    if (c.contains("refused") && !c["refused"].empty()) {
-      std::vector<std::vector<std::string>> rows;
-      for (const json& refusal : c["refused"])
-        rows.push_back({quantity(refusal.value("line", 0), std::nullopt, ""), escaped(text_at(refusal, "reason"))});
-      section.html += html_table("Refused blocks", {"line", "why"}, rows);
-    }
+    section.html += left_uncorrected(c);
     if (!c.contains("playback")) continue;
     const json& p = c["playback"];
     std::vector<std::vector<std::string>> rows;
@@ -120,6 +165,7 @@ Section program_section(const Evidence& evidence) {
                       played(p, {stage, "orientation_max_urad"}, "urad")});
     section.html += html_table("Played back on the machine with its errors",
                                {"", "tip, rms", "tip, largest", "tool axis, rms", "tool axis, largest"}, rows);
+    section.html += limits_table(p);
     std::string figures;
     if (p.contains("along"))
       for (const Chart& chart : {along_chart(p["along"], "tip", "um"), along_chart(p["along"], "tool axis", "urad")})

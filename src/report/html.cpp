@@ -87,7 +87,11 @@ std::string quantity(double value, std::optional<double> std, std::string_view u
   return with_true_minus(text) + (unit.empty() ? "" : "\u00a0" + unit_symbol(unit));
 }
 
-std::string probability(double p) { return std::isfinite(p) ? with_true_minus(escaped(p_value_text(p))) : "–"; }
+std::string probability(double p) {
+  constexpr double kPlain = 1e-3;  // from here on without an exponent
+  if (!std::isfinite(p)) return "–";
+  return p >= kPlain ? formatted("%.2g", p) : with_true_minus(escaped(p_value_text(p)));
+}
 
 std::optional<double> number_at(const nlohmann::json& json, const std::vector<std::string>& keys) {
   const nlohmann::json* at = &json;

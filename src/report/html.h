@@ -26,7 +26,7 @@ std::string quantity(double value, std::optional<double> std, std::string_view u
 /// A unit as people write it: um → µm, urad → µrad.
 std::string unit_symbol(std::string_view unit);
 
-/// A probability: "<1e−16", "3.0e−02"; HTML.
+/// A probability: "<1e−16", "3.0e−08", "0.25"; HTML.
 std::string probability(double p);
 
 /// The number at a path of keys; empty where there is none.

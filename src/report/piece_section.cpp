@@ -192,9 +192,14 @@ std::string sentence_of(const json& prediction) {
     if (!prediction.contains(cut) || !prediction[cut].contains("heights") || prediction[cut]["heights"].empty())
       return "";
     const json& at = prediction[cut]["heights"][0];
+    const double value = at.value("lsc_um", 0.0);
     const std::string range = interval(at, "lsc_um");
-    return "<strong>" + quantity(at.value("lsc_um", 0.0), std::nullopt, "um") + "</strong>" +
-           (range.empty() ? "" : " (95 %: " + range + ")");
+    if (range.empty()) return "<strong>" + quantity(value, std::nullopt, "um") + "</strong>";
+    // Draws about a piece that is nearly round are all less round than it: their upper end says what may be found.
+    const bool above = value < at["lsc_um_95"][0].get<double>();
+    return "<strong>" + fixed_text(value, 2) +
+           "\u00a0µm</strong> (95 %: " + (above ? "up to " + fixed_text(at["lsc_um_95"][1].get<double>(), 2) : range) +
+           ")";
   };
   std::string text = "A cone cut on this machine: roundness " + roundness("uncompensated") + " as it is";
   for (const auto& [cut, said] :

@@ -10,7 +10,7 @@
 namespace trunnion {
 namespace {
 
-constexpr const char* kInks[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"};
+constexpr const char* kInks[] = {"#336dbb", "#d5600b", "#144930", "#a8457f", "#3993cf", "#725200"};
 
 std::string fixed(double value, int decimals) {
   char text[64];

@@ -113,9 +113,13 @@ async function checkCharts(page) {
   const over = await live.locator(".u-over").boundingBox();
   await page.mouse.move(over.x + over.width - 2, over.y + over.height / 2);
   const legend = await live.locator(".u-legend").innerText();
-  const value = Number(told.series[0].values.at(-1).toPrecision(4)).toString().replace("-", "−");
+  const std = told.series[0].half_width.at(-1) / 2, decimals = 1 - Math.floor(Math.log10(std));
+  const value = `${told.series[0].values.at(-1).toFixed(decimals).replace("-", "−")} ± ${std.toFixed(decimals)}`;
   check(legend.includes(value), `the pointer at the right end reads ${value} ${told.y_unit}: ${legend.replace(/\s+/g, " ")}`);
-  check(legend.includes("±"), "the pointer reads no uncertainty");
+  // The lines stand in the legend as they are drawn.
+  const samples = await live.locator(".u-legend svg path").evaluateAll((list) => list.map((path) => getComputedStyle(path).strokeDasharray));
+  check(samples.length === told.series.length && new Set(samples).size === samples.length,
+    `the legend does not tell the lines apart without colours: ${samples}`);
   // The same from the keyboard.
   await live.focus();
   await page.keyboard.press("Home");
@@ -206,11 +210,14 @@ async function main() {
   // The pictures that `predict` draws follow the page: no white sheets, letters in the page's ink, lines in its palette.
   const colours = await dark.locator("figure.picture svg").first().evaluate((svg) => {
     const of = (selector, property) => getComputedStyle(svg.querySelector(selector))[property];
-    return { paper: of(".paper", "fill"), text: of("text", "fill"), line: of(".line.s0", "stroke"), ink: getComputedStyle(document.body).color };
+    svg.style.color = "var(--s0)";
+    const first = getComputedStyle(svg).color;
+    svg.style.color = "";
+    return { paper: of(".paper", "fill"), text: of("text", "fill"), line: of(".line.s0", "stroke"), first, ink: getComputedStyle(document.body).color };
   });
   check(colours.paper === "none", `dark: a picture lies on ${colours.paper}`);
   check(colours.text === colours.ink, `dark: a picture's letters are ${colours.text}, the page's ${colours.ink}`);
-  check(colours.line === "rgb(86, 180, 233)", `dark: a picture's first line is ${colours.line}`);
+  check(colours.line === colours.first, `dark: a picture's first line is ${colours.line}`);
   await dark.screenshot({ path: path.join(pictures, "dark.png"), fullPage: true });
   await dark.context().close();
   await checkStill(browser);

@@ -20,9 +20,10 @@ ResultFile result(ResultKind kind, const std::string& path, const std::string& t
 }
 
 ResultFile model_file(const std::string& serial) {
-  return result(ResultKind::model, "model.json",
-                R"({"format": "trunnion-model", "version": 1, "machine": {"name": "Mill <1>", "serial": ")" + serial +
-                    R"("}, "fit": {"readings": 219, "unknowns": 153, "reduced_chi2": 1.1, "program": "trunnion 0.1.0",
+  return result(
+      ResultKind::model, "model.json",
+      R"({"format": "trunnion-model", "version": 1, "machine": {"name": "Mill <1>", "serial": ")" + serial +
+          R"("}, "fit": {"readings": 219, "unknowns": 153, "reduced_chi2": 1.1, "chi2_p": 0.2468, "program": "trunnion 0.1.0",
                     "inputs_sha256": {"o.csv": "abc123"},
                     "errors": {"EAA": {"largest": 35.2, "std": 0.56, "unit": "urad", "at": {"A_deg": -90}, "p_value": 0}}},
             "effects": [{"id": "rotary_error_map", "grid_deg": {"A": [-90, 0], "C": [0, 180]},
@@ -56,7 +57,7 @@ TEST(EvidencePage, ShowsWhatTheResultsHoldAndNothingOfTheNetwork) {
   const std::string page = page_of({model_file("7"), closure}), seen = markup(page);
   for (const char* shown : {"Mill &lt;1&gt;, serial 7", "35.20 ± 0.56", "Verdict: explained.", "25.50 ± 0.24", "abc123",
                             "thermal_drift", "payload_sag", "id=\"identification\"", "id=\"closure\"", "&lt;1e−16",
-                            "where known: C_dir", "Residual over time", "2026-03-01"})
+                            "(p 0.25)", "where known: C_dir", "Residual over time", "2026-03-01"})
     EXPECT_THAT(seen, HasSubstr(shown));
   EXPECT_THAT(page, Not(HasSubstr("</script><b>")));  // neither as text nor inside the data
   EXPECT_THAT(page, Not(HasSubstr("\"<b>\"")));
@@ -83,6 +84,42 @@ TEST(EvidencePage, ShowsTheResidualOfEachSpotAndOfEachSenseOfMotionSideBySide) {
   // By kinds in the order of the alphabet, those of a kind in the order taken: 2 and 4 before 1 and 3.
   EXPECT_THAT(page, HasSubstr("\"values\":[2.0,4.0,1.0,3.0]"));
   EXPECT_THAT(page, HasSubstr("\"x\":[-0.32,0.32,0.68,1.32]"));
+}
+
+TEST(EvidencePage, ShowsLimitsMetLimitsUsedAndWhatWasLeftUncorrected) {
+  const ResultFile correction =
+      result(ResultKind::correction, "blade/correction.json",
+             R"({"format": "trunnion-correction", "machine": {"name": "Mill <1>", "serial": "7"},
+      "nc_program": "blade.ngc", "lines": 94, "blocks_beyond_tolerance": 2,
+      "refused": [{"line": 31, "reason": "A 12 deg is <beyond> what was probed"}],
+      "playback": {"before": {"position_rms_um": 4.4}, "after": {"position_rms_um": 0.05}, "refused_blocks": 5,
+        "copied_from_line": 80, "limits": [
+          {"limit": "axis.X.range_mm", "unit": "mm", "used": [-7.26, 28.04], "allowed": [-400, 400], "lines": [56, 29]},
+          {"limit": "limits.correction_um", "unit": "um", "used": 5.8948, "allowed": 200, "line": 54}]}})");
+  const std::string seen = markup(page_of({model_file("7"), correction}));
+  for (const char* shown :
+       {"<code>axis.X.range_mm</code>", "−7.26 … 28.0\u00a0mm", "−400 … 400\u00a0mm", ">56, 29<", "5.89\u00a0µm",
+        "200\u00a0µm", ">54<", "5 refused blocks are copied as they were, and everything from line 80 on",
+        "A 12 deg is &lt;beyond&gt; what was probed", "In 2 blocks the tip is further off"})
+    EXPECT_THAT(seen, HasSubstr(shown));
+  const ResultFile whole =
+      result(ResultKind::correction, "blade/correction.json",
+             R"({"machine": {"name": "Mill <1>", "serial": "7"}, "nc_program": "blade.ngc", "lines": 94,
+      "refused": [], "blocks_beyond_tolerance": 0, "playback": {"refused_blocks": 0, "copied_from_line": 0, "limits": []}})");
+  const std::string clean = markup(page_of({model_file("7"), whole}));
+  for (const char* absent : {"copied as they were", "Limits:", "further off", "Refused blocks"})
+    EXPECT_THAT(clean, Not(HasSubstr(absent)));
+}
+
+TEST(EvidencePage, TellsRoundnessInTheDigitsOfItsInterval) {
+  const ResultFile prediction =
+      result(ResultKind::prediction, "piece/prediction.json",
+             R"({"format": "trunnion-prediction", "machine": {"name": "Mill <1>", "serial": "7"},
+      "uncompensated": {"heights": [{"h_mm": 2, "lsc_um": 3.6683, "lsc_um_95": [3.4623, 3.8578]}]},
+      "corrected": {"heights": [{"h_mm": 2, "lsc_um": 0.0254, "lsc_um_95": [0.0721, 0.3094]}]}})");
+  const std::string seen = markup(page_of({model_file("7"), prediction}));
+  EXPECT_THAT(seen, HasSubstr("<strong>3.67\u00a0µm</strong> (95 %: 3.46 … 3.86) as it is"));
+  EXPECT_THAT(seen, HasSubstr("<strong>0.03\u00a0µm</strong> (95 %: up to 0.31) with its program corrected"));
 }
 
 TEST(EvidencePage, IsOfOneMachine) {

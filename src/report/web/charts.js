@@ -9,6 +9,13 @@ const colour = (name) => getComputedStyle(document.documentElement).getPropertyV
 
 const digits = (value) => (value == null ? "–" : Number(value.toPrecision(4)).toString().replace("-", "−"));
 
+/// A value with its standard uncertainty, both to the decimal where that has two significant digits.
+function withUncertainty(value, std) {
+  if (!(std > 0)) return digits(value);
+  const decimals = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(std))));
+  return `${value.toFixed(decimals).replace("-", "−")} ± ${std.toFixed(decimals)}`;
+}
+
 /// What an abscissa says: a number, or the kind that stands nearest.
 const abscissa = (chart, value) =>
   value == null || !chart.categories ? digits(value) : chart.categories[Math.round(value)] ?? "–";
@@ -27,7 +34,7 @@ function seriesOf(chart) {
   const bands = [];
   chart.series.forEach((told, k) => {
     const ink = () => colour(`--s${k % 6}`);
-    const of = (value, half) => (half == null ? digits(value) : `${digits(value)} ± ${digits(half / 2)}`);
+    const of = (value, half) => (value == null || half == null ? digits(value) : withUncertainty(value, half / 2));
     series.push({
       label: told.name,
       stroke: ink,
@@ -87,6 +94,10 @@ function live(figure) {
     cursor: { drag: { x: true, y: false } },
   }, data, place);
   place.querySelectorAll(".band-row").forEach((row) => (row.hidden = true));
+  // In the legend the lines as they are drawn, with their dashes, in place of squares of their colour.
+  const rows = place.querySelectorAll(".u-series");
+  still.querySelectorAll(".legend svg").forEach((sample, k) =>
+    rows[k + 1].querySelector(".u-marker").replaceWith(sample.cloneNode(true)));
 
   const tell = (i) => {
     reading.textContent = `${chart.x_name} ${abscissa(chart, chart.x[i])}: ` + chart.series
