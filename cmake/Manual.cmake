@@ -26,8 +26,11 @@ if(TRUNNION_HELP2MAN)
     DEPENDS trunnion VERBATIM)
   list(APPEND made ${page})
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime OPTIONAL)
-  foreach(command doctor identify close plan import evaluate tables correct predict report history batch completion)
-    set(page ${share}/trunnion-${command}.1)
+  foreach(command doctor identify close plan import "import probe-log" evaluate tables correct predict report history
+      "history add" "history list" "history show" "history compare" "history trend" "history drift" "history prior" batch
+      completion)
+    string(REPLACE " " "-" page ${command})
+    set(page ${share}/trunnion-${page}.1)
     add_custom_command(OUTPUT ${page}
       COMMAND ${CMAKE_COMMAND} -E make_directory ${share}
       COMMAND ${TRUNNION_HELP2MAN} --no-info --section=1 --name "the command ${command} of trunnion"

@@ -300,7 +300,7 @@ Command close_command(CLI::App& program, const Talk& talk) {
       ->type_name("DIR")
       ->group("Output");
   app->footer(
-      "Example:\n  trunnion close --machine machine.toml --observations calibration.csv --verification later.csv -o "
+      "Examples:\n  trunnion close --machine machine.toml --observations calibration.csv --verification later.csv -o "
       "closed\n  trunnion close "
       "--machine machine.toml --observations calibration.csv --piece piece.toml --measured traces.csv -o closed\n  "
       "trunnion close --machine machine.toml "

@@ -210,7 +210,7 @@ Command completion_command(CLI::App& program, const Talk& talk) {
   CLI::App* app = program.add_subcommand("completion", "The script by which a shell completes trunnion's words");
   app->add_option("shell", *shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
   app->footer(
-      "Example:\n  trunnion completion bash > ~/.local/share/bash-completion/completions/trunnion\n"
+      "Examples:\n  trunnion completion bash > ~/.local/share/bash-completion/completions/trunnion\n"
       "  trunnion completion zsh > \"${fpath[1]}/_trunnion\"\n"
       "  trunnion completion fish > ~/.config/fish/completions/trunnion.fish");
   return {app, [shell, &program, &talk] {

@@ -275,7 +275,7 @@ Command history_command(CLI::App& program, const Talk& talk) {
       ->group("Input");
   sub->add_option("--closure", o->closure, "closure.json of the same calibration")->type_name("C.json")->group("Input");
   sub->add_option("--data", o->data, "Files to check against the hashes in the model")
-      ->type_name("FILE …")
+      ->type_name("FILE")
       ->group("Input");
   sub->add_option("--note", o->note, "A line of text to keep with it")->type_name("TEXT")->group("Input");
   sub->footer(

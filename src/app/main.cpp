@@ -6,6 +6,7 @@
 #include <span>
 
 #include "app/command.h"
+#include "app/help_format.h"
 #include "error.h"
 #include "io/provenance.h"
 #include "units/nearest_name.h"
@@ -87,10 +88,13 @@ void add_talk(CLI::App& app, Talk& talk) {
 
 int run(int argc, char** argv) {
   CLI::App program("Errors of five-axis machines with a tilting rotary table: identify, correct, verify.", "trunnion");
+  set_help_format(program);
   program.set_version_flag("--version", program_version());
   program.require_subcommand(1);
   program.footer(
       "trunnion COMMAND --help explains each command.\n"
+      "Examples:\n  trunnion identify --machine machine.toml --observations calibration.csv -o model.json\n"
+      "  trunnion correct --machine machine.toml --model model.json part.ngc -o part_corrected.ngc\n"
       "Exit status: 0 done, 1 a check that protects a machine failed, 2 bad usage or bad input.");
   Talk talk;
   std::vector<Command> commands;

@@ -292,9 +292,13 @@ Command import_command(CLI::App& program, const Talk& talk) {
   CLI::App* app = program.add_subcommand("import", "Readings from what a control wrote");
   CLI::App* log = app->add_subcommand("probe-log", "The log of a probing program of `plan --nc linuxcnc`");
   app->require_subcommand(1);
+  app->footer("Example:\n  trunnion import probe-log plan.log --machine machine.toml -o observations.csv");
   log->add_option("LOG", o->log, "The log")->required()->type_name("plan.log");
-  log->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml");
-  log->add_option("-o,--output", o->output, "Observations to write (CSV)")->required()->type_name("O.csv");
+  log->add_option("--machine", o->machine, "Machine file (TOML)")->required()->type_name("M.toml")->group("Input");
+  log->add_option("-o,--output", o->output, "Observations to write (CSV)")
+      ->required()
+      ->type_name("O.csv")
+      ->group("Output");
   log->footer("Example:\n  trunnion import probe-log plan.log --machine machine.toml -o observations.csv");
   return {app, [o, &talk] { return import_log(*o, talk); }};
 }

@@ -183,7 +183,7 @@ Command report_command(CLI::App& program, const Talk& talk) {
       ->required()
       ->type_name("report.html")
       ->group("Output");
-  app->add_option("--date", o->date, "Date on the page; default: today")->type_name("TEXT")->group("Output");
+  app->add_option("--date", o->date, "Date on the page; default: today")->type_name("DATE")->group("Output");
   app->footer("Example:\n  trunnion report closed/ tables/ piece/ model.json -o report.html");
   return {app, [o, &talk] { return run(*o, talk); }};
 }

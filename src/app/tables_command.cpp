@@ -141,7 +141,7 @@ Command tables_command(CLI::App& program, const Talk& talk) {
   app->add_option("--controller", o->controller, "Controller; the machine file's if left out")
       ->type_name("NAME")
       ->group("Tables");
-  app->add_option("--date", o->date, "Date for the headers")->type_name("TEXT")->group("Tables");
+  app->add_option("--date", o->date, "Date for the headers")->type_name("DATE")->group("Tables");
   app->add_option("--spacing", o->spacing_deg, "Distance of nodes, deg; chosen for the error if left out")
       ->type_name("DEG")
       ->group("Tables");

@@ -4,7 +4,7 @@
     help_test.py PROGRAM
 
 Walks the commands as `--help` names them: each has a line of description, groups, and an example that calls it by its own
-name.
+name, and says in words what an option takes.
 """
 import re
 import subprocess
@@ -38,9 +38,10 @@ def main():
         below = commands_below(text)
         paths += [[*path, name] for name in below]
         seen += 1
+        if not re.search(rf"^  .*{' '.join(['trunnion', *path])} ", text, re.M):
+            wrong.append(f"{' '.join(path)}: no example")
+        wrong += [f"{' '.join(path)}: \"{cryptic}\" in the help" for cryptic in ("FLOAT", "INT:", "TEXT:{") if cryptic in text]
         if not below:
-            if f"  trunnion {' '.join(path)} " not in text and not re.search(rf"  .*trunnion {' '.join(path)}\b", text):
-                wrong.append(f"{' '.join(path)}: no example")
             if "Talk:" not in text:
                 wrong.append(f"{' '.join(path)}: no --quiet and --json")
     if seen < 15:
