@@ -13,6 +13,7 @@
 #include "app/piece_closure.h"
 #include "app/piece_outlook.h"
 #include "app/progress.h"
+#include "app/readings_input.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
 #include "conventions/reading_checks.h"
@@ -22,7 +23,6 @@
 #include "io/closure_file.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
-#include "io/observation_file.h"
 #include "io/observed_ranges.h"
 #include "io/output_file.h"
 #include "io/provenance.h"
@@ -165,7 +165,7 @@ int run(const Options& o, const Talk& talk) {
   std::vector<std::string> inputs = {o.machine};
   const auto readings = [&](const std::string& path, const std::string& role) {
     inputs.push_back(path);
-    ObservationSet set = read_observations(path, machine);
+    ObservationSet set = observations_input(path, machine, talk);
     if (const Check check = rounding_check(set, machine); check.outcome != Outcome::passed)
       talk.warn(path + ": " + check.found + "; " + check.advice);
     const bool active = !o.active.empty() && (o.active_only.empty() || o.active_only == role);

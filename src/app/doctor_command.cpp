@@ -7,6 +7,7 @@
 
 #include "app/changed_inputs.h"
 #include "app/command.h"
+#include "app/readings_input.h"
 #include "app/terminal.h"
 #include "conventions/machine_checks.h"
 #include "conventions/model_checks.h"
@@ -234,7 +235,7 @@ int run(const Options& o, const Talk& talk) {
   }
   if (!o.observations.empty()) {
     inputs.push_back(o.observations);
-    readings = read_observations(o.observations, machine);
+    readings = observations_input(o.observations, machine, talk);
     add(reading_checks(*readings, machine));
   }
   const bool usable = count(checks, Outcome::failed) == 0;

@@ -10,6 +10,7 @@
 #include "app/error_text.h"
 #include "app/prior_map.h"
 #include "app/progress.h"
+#include "app/readings_input.h"
 #include "app/terminal.h"
 #include "app/text_table.h"
 #include "conventions/reading_checks.h"
@@ -18,7 +19,6 @@
 #include "io/identification_report.h"
 #include "io/machine_file.h"
 #include "io/model_file.h"
-#include "io/observation_file.h"
 #include "io/observed_ranges.h"
 #include "io/output_file.h"
 
@@ -161,7 +161,7 @@ EarlierMap earlier_map(const Options& o, const Machine& machine, const Talk& tal
 
 int run(const Options& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
-  ObservationSet observations = read_observations(o.observations, machine);
+  ObservationSet observations = observations_input(o.observations, machine, talk);
   if (const Check check = rounding_check(observations, machine); check.outcome != Outcome::passed)
     talk.warn(o.observations + ": " + check.found + "; " + check.advice);
   IdentificationOptions options{.robust = !o.no_robust, .fill = o.fill, .interpolation = o.interpolation};
@@ -177,8 +177,11 @@ int run(const Options& o, const Talk& talk) {
   }
   IdentificationResult result;
   {
-    const Progress progress(talk, "identify from " + std::to_string(observations.rows.size()) + " readings");
+    const auto readings = static_cast<double>(observations.rows.size());
+    Progress progress(talk, "identify", readings, "readings");
+    options.progress = [&](double share) { progress.at(share * readings); };
     result = identify(observations, machine, options);
+    progress.at(readings);
   }
   nlohmann::json fit = identification_json(result, machine, inputs);
   if (options.earlier) {

@@ -9,6 +9,7 @@
 #include "app/changed_inputs.h"
 #include "app/command.h"
 #include "app/progress.h"
+#include "app/readings_input.h"
 #include "app/text_table.h"
 #include "error.h"
 #include "io/csv.h"
@@ -138,7 +139,7 @@ int run(const Options& o, const Talk& talk) {
   }
   ObservationSet so_far;
   if (!o.observations.empty()) {
-    so_far = read_observations(o.observations, machine);
+    so_far = observations_input(o.observations, machine, talk);
     spots = spots_of(so_far, chain);
     if (spots.empty()) throw InputError(o.observations, "no contact in it; a plan is one of touches");
     inputs.push_back(o.observations);
@@ -201,7 +202,7 @@ struct ImportOptions {
 
 int import_log(const ImportOptions& o, const Talk& talk) {
   const Machine machine = read_machine(o.machine);
-  const ObservationSet set = parse_probe_log(read_text(o.log), o.log, machine);
+  const ObservationSet set = probe_log_input(o.log, machine, talk);
   write_whole(o.output, observations_text(set, machine.tilt_letter()), {o.machine, o.log});
   if (talk.json)
     std::printf("%s\n",

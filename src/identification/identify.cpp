@@ -131,15 +131,20 @@ InterpolationEvidence node_evidence(Interpolation method, const LinearProblem& p
 
 InterpolationEvidence smooth_evidence(const LinearProblem& problem, const PoseGrid& grid, const FreePoseFit& fit,
                                       const SmoothFit& smooth, const std::vector<bool>& used,
-                                      const std::vector<double>& values) {
+                                      const std::function<void(double)>& progress) {
   Score score;
-  for (const Fold& fold : folds_of(problem, grid)) {
+  const std::vector<Fold> folds = folds_of(problem, grid);
+  int fits = 0;
+  for (const Fold& fold : folds) {
     std::vector<bool> left_out(problem.poses.size(), false);
     for (const std::size_t p : fold.poses) left_out[p] = true;
-    SmoothOptions options{.prior = smooth.prior, .values = values};
+    SmoothOptions options{.prior = smooth.prior};
+    if (progress)
+      options.progress = [&](double share) { progress((fits + share) / static_cast<double>(folds.size())); };
     for (std::size_t i = 0; i < problem.readings.size(); ++i)
       options.weights.push_back(left_out[problem.readings[i].pose] || !used[i] ? 0.0 : 1.0);
     const SmoothFit partial = fit_smooth(problem, smooth.basis, options);
+    ++fits;
     score.begin(fold.of, fold.angle);
     for (const std::size_t p : fold.poses)
       if (!problem.poses[p].reference)
@@ -250,6 +255,14 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
     misfit = carried.misfit;
     smooth_options.belief = std::move(carried.belief);
   }
+  // The work is in fits of the smooth map, in the search for outliers and then with each angle left out.
+  std::function<void(double)> judging;
+  if (options.progress) {
+    const auto folds = static_cast<double>(folds_of(problem, find_grid(problem.poses)).size());
+    const double search = kMostOutlierFits / (kMostOutlierFits + folds);
+    smooth_options.progress = [&options, search](double share) { options.progress(search * share); };
+    judging = [&options, search](double share) { options.progress(search + (1 - search) * share); };
+  }
   std::vector<bool> used(problem.readings.size(), true);
   if (options.robust && !two_step) {
     OutlierSearch search = find_outliers(problem, basis, smooth_options);
@@ -331,7 +344,7 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
   if (full_grid && grid.a_stations.size() > 1 && grid.c_stations.size() > 2) {
     for (const Interpolation method : {Interpolation::trig_cubic, Interpolation::bilinear})
       result.interpolation.push_back(node_evidence(method, problem, grid, content.grid, *fit));
-    if (!two_step) result.interpolation.push_back(smooth_evidence(problem, grid, *fit, result.smooth, used, {}));
+    if (!two_step) result.interpolation.push_back(smooth_evidence(problem, grid, *fit, result.smooth, used, judging));
   }
   if (options.earlier && !options.interpolation.empty() && options.interpolation != "gaussian-process")
     throw UsageError("--interpolation: with an earlier map the result is smooth, gaussian-process is wanted");

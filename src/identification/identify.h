@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,10 +23,11 @@ struct EarlierMap {
 
 struct IdentificationOptions {
   IdentificationMethod method = IdentificationMethod::joint;
-  bool robust = true;                 ///< look for outliers and leave them out
-  bool fill = false;                  ///< let the smooth fit stand in for freedoms that no reading determined
-  std::string interpolation;          ///< a method's name; empty: chosen by evidence
-  std::optional<EarlierMap> earlier;  ///< is believed before the readings; the result is a smooth map then
+  bool robust = true;                         ///< look for outliers and leave them out
+  bool fill = false;                          ///< let the smooth fit stand in for freedoms that no reading determined
+  std::string interpolation;                  ///< a method's name; empty: chosen by evidence
+  std::optional<EarlierMap> earlier;          ///< is believed before the readings; the result is a smooth map then
+  std::function<void(double)> progress = {};  ///< is told what share of the work is done, 0 … 1
 };
 
 /// Location errors found in the map, as if nothing else were wrong, and whether that would do.

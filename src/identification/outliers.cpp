@@ -72,7 +72,14 @@ OutlierSearch find_outliers(const LinearProblem& problem, const HarmonicBasis& b
   search.used.assign(n, true);
   SmoothOptions current = smooth;
   current.weights.assign(n, 1.0);
-  search.fit = fit_smooth(problem, basis, current);
+  int fits = 0;
+  if (smooth.progress) current.progress = [&](double share) { smooth.progress((fits + share) / kMostOutlierFits); };
+  const auto fitted = [&] {
+    SmoothFit fit = fit_smooth(problem, basis, current);
+    ++fits;
+    return fit;
+  };
+  search.fit = fitted();
   const std::optional<SmoothPrior> given = smooth.prior;
   const auto all_normalised = [&] {
     std::vector<double> z(n);
@@ -88,19 +95,19 @@ OutlierSearch find_outliers(const LinearProblem& problem, const HarmonicBasis& b
     return search;  // nothing to be robust against
 
   current.prior = search.fit.prior;
-  for (int iteration = 0; iteration < 6; ++iteration) {
+  for (int iteration = 0; iteration < kReweightings; ++iteration) {
     search.noise_scale = robust_scale(z);
     for (std::size_t i = 0; i < n; ++i) {
       const double u = z[i] / std::max(search.noise_scale, 0.5);
       current.weights[i] = 5 / (4 + u * u);
     }
-    search.fit = fit_smooth(problem, basis, current);
+    search.fit = fitted();
     z = all_normalised();
   }
   // The hyperparameters once more, now that outliers weigh little; then decide one by one on unweighted residuals.
   current.start = search.fit.prior;
   current.prior = given;
-  search.fit = fit_smooth(problem, basis, current);
+  search.fit = fitted();
   current.prior = search.fit.prior;
   z = all_normalised();
   search.noise_scale = robust_scale(z);
@@ -108,10 +115,10 @@ OutlierSearch find_outliers(const LinearProblem& problem, const HarmonicBasis& b
   std::vector<Outlier> suspects;
   for (std::size_t i = 0; i < n; ++i)
     if (std::abs(z[i]) > options.threshold * scale) suspects.push_back({i, search.fit.residual[i], z[i]});
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < kSnoopingRounds; ++round) {
     current.weights.assign(n, 1.0);
     for (const Outlier& o : suspects) current.weights[o.reading] = 0;
-    search.fit = fit_smooth(problem, basis, current);
+    search.fit = fitted();
     std::vector<Outlier> next;
     for (std::size_t i = 0; i < n; ++i) {
       const double value = normalised(problem, search.fit, i, current.weights[i]);
@@ -146,7 +153,7 @@ OutlierSearch find_outliers(const LinearProblem& problem, const HarmonicBasis& b
   current.weights.assign(n, 1.0);
   for (const Outlier& o : search.removed) search.used[o.reading] = false, current.weights[o.reading] = 0;
   current.prior = given;
-  search.fit = fit_smooth(problem, basis, current);
+  search.fit = fitted();
   return search;
 }
 

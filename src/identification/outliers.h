@@ -25,13 +25,17 @@ struct OutlierSearch {
   SmoothFit fit;
 };
 
+constexpr int kReweightings = 6, kSnoopingRounds = 4;
+constexpr int kMostOutlierFits = 3 + kReweightings + kSnoopingRounds;
+
 struct OutlierOptions {
   double threshold = 3.9;       ///< of the normalised residual (alpha = 1e-4)
   double most_fraction = 0.05;  ///< of the readings that may be removed
 };
 
 /// Finds outliers in the smooth model, where every touch is checked by its neighbours, by iteratively reweighted least
-/// squares with Student-t weights (4 degrees of freedom) and then one by one (data snooping).
+/// squares with Student-t weights (4 degrees of freedom) and then one by one (data snooping). `smooth.progress` is told
+/// what share of kMostOutlierFits is done; it may end with fewer.
 OutlierSearch find_outliers(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothOptions& smooth,
                             const OutlierOptions& options = {});
 

@@ -363,6 +363,11 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
   const auto whiten = [&](Eigen::Index i) -> const Eigen::RowVectorXd& { return whitener.row(i); };
   const Eigen::VectorXd& column_scale = whitener.column_scale();
   constexpr Eigen::Index kChunk = 256;
+  Eigen::Index passed = 0;  // the readings are gone through twice
+  const auto pass = [&](Eigen::Index readings) {
+    passed += readings;
+    if (options.progress) options.progress(0.5 * static_cast<double>(passed) / static_cast<double>(n));
+  };
   Eigen::MatrixXd chunk(kChunk, system.size);
   Eigen::VectorXd chunk_y(kChunk);
   for (int c = 0; c < 2; ++c) {
@@ -372,6 +377,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
       system.normal[c].selfadjointView<Eigen::Lower>().rankUpdate(chunk.topRows(filled).transpose());
       system.rhs[c] += chunk.topRows(filled).transpose() * chunk_y.head(filled);
       system.square[c] += chunk_y.head(filled).squaredNorm();
+      pass(filled);
       filled = 0;
     };
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -453,6 +459,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
   for (Eigen::Index i = 0; i < n; ++i) {
     const Reading& reading = problem.readings[static_cast<std::size_t>(i)];
     const Eigen::RowVectorXd& row = whiten(i);
+    if (i % kChunk == 0) pass(std::min(kChunk, n - i));
     const double scale = reading.angular ? noise[1] : noise[0];
     const double z = value_of(i) / reading.sigma - row.dot(e.solution);
     fit.residual.push_back(z * reading.sigma);

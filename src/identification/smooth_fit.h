@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -35,7 +36,8 @@ struct SmoothOptions {
   std::vector<double> weights;    ///< one per reading on 1/sigma^2, 0 leaves it out; empty: all 1
   std::vector<double> values;     ///< replaces Reading::value (relinearised readings); empty: as they are
   Eigen::MatrixXd extra_columns;  ///< further unknowns without prior: one row per reading (mm or rad), one column each
-  Eigen::VectorXd extra_precision;  ///< prior precision of each extra unknown; empty: they are free
+  Eigen::VectorXd extra_precision;            ///< prior precision of each extra unknown; empty: they are free
+  std::function<void(double)> progress = {};  ///< is told what share of the fit is done, 0 … 1
 };
 
 /// A map as one smooth function through all readings, with the measurement's unknowns.

@@ -53,9 +53,12 @@ class Parser {
     set_.rows.reserve(std::min<std::size_t>(text.size() / 60, std::size_t{1} << 24));
   }
 
-  ObservationSet parse() {
+  ObservationSet parse(const ReadingProgress& progress) {
     std::vector<std::string_view> fields;
-    while (csv_.next(fields)) add(fields);
+    while (csv_.next(fields)) {
+      add(fields);
+      if (progress && set_.rows.size() % kLinesBetweenProgress == 0) progress(csv_.line());
+    }
     if (set_.rows.empty()) throw InputError(csv_.name(), "no rows after the header");
     return std::move(set_);
   }
@@ -245,8 +248,9 @@ class Parser {
 
 }  // namespace
 
-ObservationSet parse_observations(std::string_view text, const std::string& name, const Machine& machine) {
-  return Parser(text, name, machine).parse();
+ObservationSet parse_observations(std::string_view text, const std::string& name, const Machine& machine,
+                                  const ReadingProgress& progress) {
+  return Parser(text, name, machine).parse(progress);
 }
 
 ObservationSet read_observations(const std::string& path, const Machine& machine) {

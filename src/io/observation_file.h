@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -12,8 +13,11 @@ namespace trunnion {
 /// or B_dir. Strict: throws InputError with file, line and column, what was found and what is wanted. A numeric column
 /// that is not known becomes a covariate.
 ObservationSet read_observations(const std::string& path, const Machine& machine);
-/// The same from text; `name` stands for the file in messages.
-ObservationSet parse_observations(std::string_view text, const std::string& name, const Machine& machine);
+/// The same from text; `name` stands for the file in messages. `progress` is told the lines read so far, now and then.
+using ReadingProgress = std::function<void(std::size_t lines)>;
+constexpr std::size_t kLinesBetweenProgress = 4096;
+ObservationSet parse_observations(std::string_view text, const std::string& name, const Machine& machine,
+                                  const ReadingProgress& progress = {});
 
 /// Contacts as an observations file (CSV): the columns that `set` carries.
 std::string observations_text(const ObservationSet& set, char tilt_letter);

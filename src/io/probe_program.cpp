@@ -137,7 +137,8 @@ std::string linuxcnc_probe_program(const ObservationSet& plan, const Machine& ma
   return Writer(plan, machine, moves).run(log_name);
 }
 
-ObservationSet parse_probe_log(std::string_view text, const std::string& name, const Machine& machine) {
+ObservationSet parse_probe_log(std::string_view text, const std::string& name, const Machine& machine,
+                               const ReadingProgress& progress) {
   ObservationSet set{.files = {name}};
   set.has_repeat = set.has_time = set.has_tilt_sense = set.has_turn_sense = true;
   std::map<std::string, std::uint32_t, std::less<>> points, artifacts;
@@ -153,6 +154,7 @@ ObservationSet parse_probe_log(std::string_view text, const std::string& name, c
     const std::string_view row = trimmed(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     ++line;
+    if (progress && line % kLinesBetweenProgress == 0) progress(line);
     if (row.empty()) continue;
     std::vector<std::string_view> fields;
     for (std::size_t at = 0; at <= row.size();) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/observation_file.h"
 #include "kinematics/machine.h"
 #include "probing/observation.h"
 
@@ -27,6 +28,7 @@ std::string linuxcnc_probe_program(const ObservationSet& plan, const Machine& ma
 
 /// The log of such a program as readings: contact points in R, the ball's radius taken off along the approach. Throws
 /// InputError naming line, what was found and what is wanted.
-ObservationSet parse_probe_log(std::string_view text, const std::string& name, const Machine& machine);
+ObservationSet parse_probe_log(std::string_view text, const std::string& name, const Machine& machine,
+                               const ReadingProgress& progress = {});
 
 }  // namespace trunnion

@@ -42,8 +42,19 @@ def main():
     with open(long, "w", encoding="utf-8") as file:
         file.writelines(part[:at] + [part[at].replace("X0.000", f"X0.0{k % 100}") for k in range(1000000)] + part[at:])
 
+    calibration = readings.read_text().splitlines(keepends=True)
+    run = [row.split(",") for row in calibration[1:]]
+    clock = calibration[0].split(",").index("time_s")
+    long_run, log = out / "long_run.csv", out / "plan.log"
+    with open(long_run, "w", encoding="utf-8") as file:
+        file.write(calibration[0])
+        for k in range(300):
+            file.writelines(",".join([*row[:clock], str(float(row[clock]) + 2000 * k), *row[clock + 1:]]) for row in run)
+    log.write_text("trunnion-probe-log,1,Middle-size trunnion,0001\ntouch,P,1,0,0,1,1,0,0,1,0,0,3,10.125,20.25,30.5\n")
+
     study = source / "samples/probing/machine-01"
     long_ones = {
+        "identify": (["identify", *on, "--observations", long_run, "-o", out / "long_run.json"], COUNTED % ("identify", "readings")),
         "plan": (["plan", "--machine", study / "machine.toml", "--observations", study / "observations.csv", "--separate",
                   "backlash:A,thermal_drift", "--visits", "60", "-o", out / "long.csv"],
                  COUNTED % ("plan", "visits")),
@@ -68,7 +79,8 @@ def main():
     wanted(f"progress in a pipe: {piped.stderr!r}", "\r" not in piped.stderr and "draws" not in piped.stderr)
 
     told = {
-        "identify": (["identify", *on, "--observations", readings, "-o", out / "again.json"], "identify from 219 readings"),
+        "identify": (["identify", *on, "--observations", readings, "-o", out / "again.json"], "identify: 219 readings in"),
+        "import": (["import", "probe-log", log, *on, "-o", out / "imported.csv"], r"read plan\.log: 2 lines in"),
         "close": (["close", *on, "--observations", readings, "-o", out / "closed"], "search 219 readings"),
         "plan": (["plan", *on, "--observations", readings, "--separate", "backlash:A", "--visits", "1", "-o", out / "next.csv"],
                  "plan: 1 visits in"),
