@@ -14,7 +14,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace trunnion;
   static const Machine machine = parse_machine(
-      "format = \"trunnion-machine\"\nversion = 1\nname = \"Rejection bench\"\nserial = \"\"\n"
+      "format = \"trunnion-machine\"\nversion = 1\nname = \"Rejection bench\"\nserial = \"0\"\n"
       "structure = \"w C' A' Y' b X Z t\"\n",
       "fuzz.toml");
   try {
