@@ -50,7 +50,7 @@ class Parser {
       : csv_(text, name), tilt_(1, machine.tilt_letter()) {
     set_.files = {name};
     find_columns();
-    set_.rows.reserve(std::min<std::size_t>(text.size() / 60, std::size_t{1} << 24));
+    set_.rows.reserve(std::min<std::size_t>(text.size() / 60, std::size_t{1} << 20));  // a hostile file has size alone
   }
 
   ObservationSet parse(const ReadingProgress& progress) {
