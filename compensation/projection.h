@@ -77,6 +77,7 @@ struct ChainFit {
   Matrix6Xd tilt;
   Matrix6Xd turn;
 };
+/// Whether the errors of C may depend on C alone, or on A as well.
 enum class TurnErrors { of_turn_alone, of_both };
 ChainFit chain_fit(const CompensationTask& task, const std::vector<double>& tilt_at_deg,
                    const std::vector<double>& turn_at_deg, TurnErrors turn_errors);

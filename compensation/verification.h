@@ -45,6 +45,7 @@ struct Verification {
   bool load_ready() const { return unconfirmed.empty(); }
 };
 
+/// What is left of the model's errors at the poses of `sample` under a compensation as a control plays it.
 Spread spread(const Model& model, const KinematicChain& chain, const std::vector<Situation>& sample,
               const PlayedCompensation& played);
 

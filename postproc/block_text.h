@@ -54,6 +54,7 @@ struct CorrectedChunk {
 
 /// The words of one block as written: the five axes, then the three of a tool axis told as a vector.
 inline constexpr std::size_t kWords = kAxes + 3;
+/// A new value for each word, empty where it stays as it is written.
 using NewWords = std::array<std::optional<Decimal>, kWords>;
 
 /// What else of a block changes.

@@ -52,6 +52,7 @@ struct Commanded {
   double time_s = 0;                          ///< since the program's begin
 };
 
+/// How the commands of a program are corrected.
 struct CorrectionSettings {
   ToolCentrePoint tcp = ToolCentrePoint::on;
   Orientation orientation = Orientation::corrected;

@@ -24,6 +24,7 @@ struct DialectText {
   std::string_view direction[3] = {"I", "J", "K"};  ///< the words of a tool axis told as a vector
 };
 
+/// A language of programs: how it is read and written, and whose it is.
 struct Dialect {
   std::string_view name;
   DialectText text;

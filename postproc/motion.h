@@ -40,6 +40,7 @@ struct WordPlace {
   NumberStyle style;
 };
 
+/// What a block does to the position, and how it is corrected.
 enum class BlockKind : std::uint8_t {
   rapid,         ///< corrected at its end
   feed,          ///< a line or an arc: corrected along its way

@@ -48,6 +48,7 @@ class PlainPlayer {
 /// The whole part of a number that tells a code or a choice; -1 where it is beyond all of them.
 int code_number(double value);
 
+/// A player of the dialect of that name; of the dialects of DIN 66025; of HEIDENHAIN's Klartext.
 std::unique_ptr<PlainPlayer> plain_player(const std::string& dialect, const ScanSettings& settings);
 std::unique_ptr<PlainPlayer> plain_iso_player(const std::string& dialect, const ScanSettings& settings);
 std::unique_ptr<PlainPlayer> plain_klartext_player(const ScanSettings& settings);

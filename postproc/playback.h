@@ -24,6 +24,7 @@ struct LimitUse {
   std::uint64_t low_line = 0, high_line = 0;  ///< of the original, where they are met
 };
 
+/// What play_back found.
 struct PlaybackResult {
   std::uint64_t moves = 0;    ///< blocks of the original that were compared
   std::uint64_t samples = 0;  ///< places looked at: ends of what was written, and the middles of feed moves

@@ -17,6 +17,7 @@ using OpenProgram = std::function<ReadBytes()>;
 
 /// The bytes of a text, opened as often as asked; `text` must outlive it.
 OpenProgram opened(const std::string& text);
+/// Takes the next bytes of what is written.
 using WriteBytes = std::function<void(std::string_view)>;
 /// Told how many bytes of the input are done.
 using ReportProgress = std::function<void(std::uint64_t)>;
@@ -38,6 +39,7 @@ struct ProgramCorrection {
 
 inline constexpr std::size_t kMostRefusals = 100000;  ///< told one by one
 
+/// What correct_program did.
 struct ProgramCorrectionResult {
   CorrectionCounts counts;
   std::vector<Refusal> refusals;    ///< only where keep_going was asked for; ascending lines

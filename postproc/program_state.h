@@ -26,6 +26,7 @@ struct LineRefused {
 [[noreturn]] void refuse(const std::string& what);
 /// For what moves the tool, but leaves modes and zeros as they are: the program is known again with its axes.
 [[noreturn]] void refuse_move(const std::string& what);
+/// For what is no block of the dialect at all (InputError).
 [[noreturn]] void bad(const std::string& what);
 
 /// Behind the reason of a lasting refusal that is passed over.
@@ -35,6 +36,7 @@ inline constexpr const char* kCopiedToEnd = "; from here on the program is copie
 std::size_t find_mark(std::string_view text);
 /// Whether a comment says that the program was corrected.
 bool contains_mark(std::string_view comment);
+/// For a program that was corrected before: it would be corrected twice.
 [[noreturn]] void refuse_corrected();
 
 /// How a block tells its arc; lengths in mm.

@@ -4,12 +4,12 @@
 
 namespace trunnion {
 
-// One controller a file of this folder.
+/// @{ What the catalogue knows of one controller, from the file of this folder that has its name.
 Controller linuxcnc();
 Controller isg_twincat();
 Controller sinumerik_840d();
 Controller aerotech();
 Controller heidenhain();
 Controller fanuc_30i();
-
+/// @}
 }  // namespace trunnion

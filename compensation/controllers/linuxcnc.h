@@ -31,6 +31,7 @@ struct KinematicsData {
   friend bool operator==(const KinematicsData&, const KinematicsData&) = default;
 };
 
+/// What the component is given of a task: the map on splines a `spacing` apart in A and C.
 KinematicsData kinematics_data(const CompensationTask& task, Angle spacing);
 
 /// trunnion_kins.comp, complete; and the data in such a file. The latter throws InputError.
@@ -39,6 +40,7 @@ KinematicsData read_component_data(const TableFile& file);
 
 /// A joint compensation table of LinuxCNC, type 1: corrections while moving up and while moving down.
 struct JointTable {
+  /// A line of the file: the position, and what is added to it on either way.
   struct Row {
     double nominal = 0, forward = 0, reverse = 0;
     friend bool operator==(const Row&, const Row&) = default;
@@ -54,6 +56,8 @@ JointTable read_joint_table(const TableFile& file);
 /// and slopes in single precision.
 double joint_correction(const JointTable& table, double position, int sense);
 
+/// LinuxCNC with the files of one set loaded, the kinematics or the joint tables. Throws InputError for files that are
+/// neither, or that the control refuses.
 std::unique_ptr<PlayedCompensation> play_linuxcnc(const std::vector<TableFile>& files, const CompensationTask& task);
 
 }  // namespace trunnion

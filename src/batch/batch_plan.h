@@ -39,6 +39,7 @@ struct BatchPlan {
   friend bool operator==(const BatchPlan&, const BatchPlan&) = default;
 };
 
+/// The command that a job calls.
 enum class JobKind { identify, tables, correct, predict };
 
 /// One call of the program, which depends on nothing but its inputs and on earlier jobs.

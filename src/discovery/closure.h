@@ -22,6 +22,7 @@ struct ClosureOptions {
   std::function<void(const std::string& step)> progress = {};  ///< told what is being done, for people
 };
 
+/// What the residuals say of the model, before and after the search (CONTRACT: Closure).
 enum class Verdict { nothing_missing, explained, partly_explained, unexplained };
 std::string_view verdict_text(Verdict verdict);
 
@@ -65,6 +66,7 @@ struct Untestable {
   std::string separate_by;
 };
 
+/// What the search for missing effects found.
 struct ClosureResult {
   Verdict verdict = Verdict::nothing_missing;
   double noise_um = 0;  ///< declared sigma

@@ -12,6 +12,7 @@ struct Misses {
   std::size_t nodes = 0;
 };
 
+/// The misses of one way of interpolating.
 struct CrossValidation {
   Misses columns;  ///< each C station left out whole; needs three or more
   Misses rows;     ///< each A station between the ends left out whole

@@ -32,6 +32,7 @@ class ErrorSurface {
   void check(Angle a) const;
 };
 
+/// What stands between the nodes of a map.
 enum class Interpolation { trig_cubic, bilinear, natural_neighbour };
 
 /// "trig-cubic", "bilinear", "natural-neighbour".

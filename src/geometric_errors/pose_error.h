@@ -4,6 +4,7 @@
 
 namespace trunnion {
 
+/// Six components of a pose error, lengths (mm) before angles (rad), and what is linear in them.
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix6Xd = Eigen::Matrix<double, 6, Eigen::Dynamic>;

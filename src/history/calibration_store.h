@@ -31,6 +31,7 @@ class CalibrationStore {
   /// program's.
   explicit CalibrationStore(std::unique_ptr<Database> database);
 
+  /// The id of a calibration in the store, new or old.
   struct Added {
     std::int64_t id = 0;
     bool stood_already = false;

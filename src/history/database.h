@@ -43,6 +43,7 @@ class Transaction {
   bool open_ = true;
 };
 
+/// Whether a store that is missing is an error or is made.
 enum class OpenFor { reading, adding };
 
 /// A store by its name: `postgresql://…` (or `postgres://…`) is a database of a server, anything else an SQLite file,

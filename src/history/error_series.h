@@ -17,6 +17,7 @@ struct DatedModel {
 
 /// The same values of one error in one calibration after another.
 struct ErrorSeries {
+  /// The values in one calibration, at the places of the series.
   struct Point {
     std::size_t calibration = 0;  ///< index into the models
     Eigen::VectorXd values;       ///< inside units

@@ -13,6 +13,7 @@
 
 namespace trunnion {
 
+/// All unknowns in one fit, or a pose at each position first and the errors from the poses (Ibaraki et al. 2010).
 enum class IdentificationMethod { joint, two_step };
 
 /// An earlier map of the same machine, and how far the machine may have moved since.
@@ -21,6 +22,7 @@ struct EarlierMap {
   Drift drift;
 };
 
+/// How a map is identified.
 struct IdentificationOptions {
   IdentificationMethod method = IdentificationMethod::joint;
   bool robust = true;                         ///< look for outliers and leave them out
@@ -80,6 +82,7 @@ struct BeliefFinding {
   double misfit = 1;                   ///< reduced chi-square of the earlier map's nodes against the smooth basis
 };
 
+/// A map, and what the readings say of it.
 struct IdentificationResult {
   Model model;  ///< the rotary error map alone
   IdentificationMethod method = IdentificationMethod::joint;

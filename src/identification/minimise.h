@@ -11,6 +11,7 @@ struct ValueAndGradient {
   Eigen::VectorXd gradient;
 };
 
+/// Where minimise() ended, and after how many evaluations.
 struct Minimum {
   Eigen::VectorXd x;
   double value = 0;

@@ -28,6 +28,7 @@ struct OutlierSearch {
 constexpr int kReweightings = 6, kSnoopingRounds = 4;
 constexpr int kMostOutlierFits = 3 + kReweightings + kSnoopingRounds;
 
+/// When a reading counts as an outlier.
 struct OutlierOptions {
   double threshold = 3.9;       ///< of the normalised residual (alpha = 1e-4)
   double most_fraction = 0.05;  ///< of the readings that may be removed

@@ -27,6 +27,7 @@ struct CoefficientBelief {
   Eigen::MatrixXd covariance;  ///< positive definite
 };
 
+/// What a smooth fit takes for granted, and what it fits beside the map.
 struct SmoothOptions {
   std::optional<SmoothPrior> prior;  ///< used as it is; else found by restricted maximum likelihood (REML)
   std::optional<SmoothPrior> start;  ///< where the search for the prior begins, if not at its centre
@@ -62,6 +63,7 @@ struct SmoothFit {
 /// the tilt's degree and C's functions of the tilt by how many tilts there are.
 HarmonicBasis basis_for(const LinearProblem& problem, int most_harmonics = 6);
 
+/// The posterior of the basis' coefficients and the measurement's unknowns, given the readings in use.
 SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, const SmoothOptions& options = {});
 
 /// The fit without the directions of its coefficients that no pose error shows (constants that one axis can take over

@@ -13,6 +13,7 @@ namespace trunnion {
 /// of their names. Beyond them an effect is held at the end (CONTRACT: Model).
 using ObservedRanges = std::map<std::string, Range<double>>;
 
+/// Those of a set of observations.
 ObservedRanges observed_ranges(const ObservationSet& set);
 
 /// As a model's "fit" carries them: {"time_s": [low, high], …} under the key "observed".

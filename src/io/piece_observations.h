@@ -18,6 +18,7 @@ struct PieceObservations {
   bool sigma_told = false;                ///< by the file; else from point to point
 };
 
+/// A measured piece, and how it was cut. What is referred to must outlive it.
 struct PieceReading {
   const TestPiece& piece;
   const MeasuredPiece& measured;

@@ -12,6 +12,7 @@
 
 namespace trunnion {
 
+/// From `low` to `high`, both within.
 template <class Quantity>
 struct Range {
   Quantity low;
@@ -33,6 +34,7 @@ struct Axis {
   bool rotary() const { return letter == 'A' || letter == 'B' || letter == 'C'; }
 };
 
+/// The touch-trigger probe of a machine file.
 struct Probe {
   Length sigma = Length::micrometres(0.175);  ///< 1-sigma of one touch
   Length ball_radius = Length::millimetres(3);

@@ -103,6 +103,7 @@ class Effect {
   Eigen::MatrixXd covariance_;
 };
 
+/// Effects are immutable, so models share them.
 using EffectPtr = std::shared_ptr<const Effect>;
 
 }  // namespace trunnion

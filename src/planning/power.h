@@ -28,6 +28,7 @@ struct PowerPlan {
   std::vector<SmallestSeen> before, after;  ///< parameter by parameter, each effect told from the other
 };
 
+/// What the next visits may take.
 struct PowerOptions {
   std::size_t visits = 6;
   double most_s = std::numeric_limits<double>::infinity();  ///< that the visits may take together

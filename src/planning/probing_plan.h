@@ -29,6 +29,7 @@ struct Visit {
   int tilt_sense = 0, turn_sense = 0;  ///< 0: as the way from the position before brings it
 };
 
+/// What probing takes, and may take.
 struct PlanOptions {
   double pose_s = 6, touch_s = 7;  ///< what a change of position and a touch take
   double start_s = 0;

@@ -81,6 +81,7 @@ struct PoseGroup {
   bool reference = false;  ///< A = C = 0 within the tolerance
   bool moving = false;     ///< a stretch of a path: its rows share no pose error
 };
+/// Positions first, then the stretches of a path.
 std::vector<PoseGroup> pose_groups(const ObservationSet& set);
 
 }  // namespace trunnion

@@ -18,6 +18,7 @@ struct ConeTrace {
   std::vector<double> normal_mm;  ///< positive: excess material
 };
 
+/// What is done to traces before they are evaluated.
 struct EvaluationOptions {
   std::optional<double> filter_upr;  ///< Gaussian cutoff before the circles are fitted
 };
@@ -26,6 +27,7 @@ struct EvaluationOptions {
 /// for: what the circles are fitted to.
 RoundnessTrace radial_trace(const ConeTrace& trace, Angle half_angle, const EvaluationOptions& options = {});
 
+/// What was found at one height.
 struct HeightEvaluation {
   double h_mm = 0;
   double lsc_mm = 0, mzc_mm = 0, mic_mm = 0, mcc_mm = 0;  ///< roundness deviations

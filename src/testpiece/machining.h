@@ -16,6 +16,7 @@ struct SurfaceGrid {
   std::vector<double> h_mm;
   std::vector<ConePoint> points;  ///< [i_height * phi_rad.size() + k]
 };
+/// Those that the piece's file asks for.
 SurfaceGrid evaluated_surface(const TestPiece& piece);
 
 /// The moment of a commanded position, as the machine's effects see it. `known` carries what the path does not know:

@@ -17,10 +17,12 @@ struct DrawnSpread {
   double high = 0;
 };
 
+/// Of the circle of one height.
 struct HeightSpread {
   DrawnSpread lsc_mm, mzc_mm, mic_mm, mcc_mm, diameter_mm, center_x_mm, center_y_mm;
 };
 
+/// How far a prediction may be off, all in all.
 struct PredictionSpread {
   std::vector<double> deviation_sd_mm;  ///< one per evaluated point, linear
   std::vector<HeightSpread> heights;    ///< by Monte Carlo: roundness is not linear
@@ -30,11 +32,12 @@ struct PredictionSpread {
   DrawnSpread rms_mm;
 };
 
+/// The Monte Carlo draws of a prediction.
 struct DrawOptions {
   int draws = 2000;
   std::uint64_t seed = 1;
   unsigned threads = 0;                  ///< 0: all processors; the result does not depend on it
-  std::function<void(double)> progress;  ///< called with the share done, from one thread
+  std::function<void(double)> progress;  ///< called with the share done, by one thread at a time
   EvaluationOptions evaluation;
 };
 

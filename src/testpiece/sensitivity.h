@@ -23,6 +23,7 @@ struct Sensitivity {
   bool seen_in_roundness() const;
 };
 
+/// The amount of each error, and when it counts as seen.
 struct SensitivityOptions {
   Length length = Length::micrometres(10);    ///< amount of a translation
   Angle angle = Angle::microradians(50);      ///< amount of a rotation

@@ -32,6 +32,7 @@ struct ToolPosition {
 /// machine whose rotary axes cannot do it.
 IndexedPosition rotary_position_along(const KinematicChain& chain, const Eigen::Vector3d& axis_w, Angle near_c);
 
+/// How closely a path's positions follow one another.
 struct PathSampling {
   int steps_per_turn = 7200;                 ///< raised to the next multiple of the evaluated points
   Angle largest_turn = Angle::degrees(0.5);  ///< of C between two positions; closer where C runs fast

@@ -16,6 +16,7 @@ struct ToolSolid {
 };
 ToolSolid solid_of(const FlankTool& tool);
 
+/// Parameters t of a line, mm, between which it is inside.
 struct RayInterval {
   double in_mm;
   double out_mm;  ///< infinity where the ray leaves through the open top

@@ -26,6 +26,7 @@ enum class Unit {
   K
 };
 
+/// A unit as files write it, and its value inside.
 struct UnitText {
   Unit unit;
   std::string_view text;

@@ -4,7 +4,7 @@
 
 namespace trunnion {
 
-// One function a file of this folder.
+/// @{ One family of effects, from the file of this folder that has its name (docs/effects.md).
 Family rotary_error_map_family();
 Family location_errors_family();
 Family linear_scale_family();
@@ -28,5 +28,5 @@ Family artifact_creep_family();
 Family artifact_flex_family();
 Family pass_shift_family();
 Family smooth_family();
-
+/// @}
 }  // namespace trunnion
