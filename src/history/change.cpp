@@ -194,23 +194,31 @@ struct Addition {
   double log_p = 0;
 };
 
+/// The likeliest addition. Candidates are compared in one scatter, the least that any of them leaves: with a scatter of
+/// its own each, the one with most coefficients would win wherever only it is enough for the rest to pass for noise.
+/// How likely noise is to do as much as the chosen one is told in that one's own.
 Addition best_addition(const WhiteProblem& problem, const std::vector<Shape>& shapes, const std::vector<Term>& terms) {
+  struct Candidate {
+    Term term;
+    double gain, count, scatter, freedom;
+    double log_p(double in_scatter) const { return log_tail(gain, count, in_scatter, freedom); }
+  };
   const double before = problem.fit(terms).gain;
-  Addition best;
-  double tried = 0;
+  std::vector<Candidate> tried;
   for (std::size_t mode = 0; mode < problem.modes(); ++mode)
     for (const Shape& shape : shapes) {
       std::vector<Term> with = terms;
       with.push_back({mode, shape});
       const double gain = problem.fit(with).gain, freedom = problem.freedom(with);
       if (problem.count(mode) == 0 || freedom < 0) continue;
-      ++tried;
-      const double log_p = log_tail(std::max(0.0, gain - before), static_cast<double>(problem.count(mode)),
-                                    scatter2(problem, with, gain), freedom);
-      if (log_p < best.log_p) best = {with.back(), log_p};
+      tried.push_back({with.back(), std::max(0.0, gain - before), static_cast<double>(problem.count(mode)),
+                       scatter2(problem, with, gain), freedom});
     }
-  best.log_p = std::min(0.0, best.log_p + std::log(std::max(1.0, tried)));
-  return best;
+  if (tried.empty()) return {};
+  const double common = std::ranges::min(tried, {}, &Candidate::scatter).scatter;
+  const Candidate& best =
+      *std::ranges::min_element(tried, {}, [common](const Candidate& c) { return c.log_p(common); });
+  return {best.term, std::min(0.0, best.log_p(best.scatter) + std::log(static_cast<double>(tried.size())))};
 }
 
 /// The times of the terms found anew, one after the other, the others being what they are.

@@ -119,6 +119,26 @@ ErrorSeries series(const std::vector<double>& values, double std) {
   return s;
 }
 
+TEST(Changes, GoToTheSimplestOfTheModesThatDoAlike) {
+  // One number of twenty-four moved by 1000 standard uncertainties. A mode of four of them does as much and takes up a
+  // little of the rest, which passes for noise only then: that must not make it the likelier one.
+  constexpr Eigen::Index kNumbers = 24;
+  const std::vector<double> years = {0, 0.2, 0.4, 0.6, 0.8, 1.0};
+  ChangeProblem problem;
+  for (std::size_t k = 0; k < years.size(); ++k) {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(kNumbers);
+    if (k > 2) values[0] = 1000, values[1] = 2.83;
+    if (k < 2) values[10] = k == 0 ? 8.66 : -8.66;
+    problem.points.push_back({k, values, Eigen::MatrixXd::Identity(kNumbers, kNumbers)});
+  }
+  const Eigen::MatrixXd numbers = Eigen::MatrixXd::Identity(kNumbers, kNumbers);
+  problem.modes = {{.name = "one", .design = numbers.leftCols(1)}, {.name = "four", .design = numbers.leftCols(4)}};
+  const CourseFinding found = find_changes(problem, years, kLevel);
+  ASSERT_EQ(found.changes.size(), 1U);
+  EXPECT_EQ(found.changes[0].error, "one");
+  EXPECT_NEAR(found.changes[0].amount[0], 1000, 3);
+}
+
 TEST(Changes, BeganWithinTheIntervalThatIsStated) {
   const std::vector<double> years = {0, 0.1, 0.3, 0.4, 0.7, 0.9, 1.5, 2.0};
   testing::Noise noise(13);
