@@ -45,7 +45,9 @@ std::string verdict(const IdentificationResult& r, char tilt) {
          with_uncertainty(to_unit(worst.largest, worst.unit), to_unit(worst.largest_std, worst.unit)) + " " +
          std::string(unit_text(worst.unit).text) + " at " +
          position_text(worst.largest_at, tilt, worst.symbol.back() == 'C') +
-         (r.chi_square_p < 1e-3
+         (r.sigma_from_readings
+              ? formatted(", and the readings, which declare no sigma, scatter by %.3g um", r.sigma_found_um)
+          : r.chi_square_p < 1e-3
               ? ", and the readings scatter more than declared: something is missing, run trunnion close"
           : r.freedom < 1 ? ", and no reading checks another"
                           : ", and the readings scatter as declared");
@@ -59,12 +61,15 @@ std::string summary(const IdentificationResult& r, const Machine& machine, Verbo
                      ", unknowns " + std::to_string(r.unknowns) + ", rank " + std::to_string(r.rank) +
                      formatted(", degrees of freedom %.0f", r.freedom) + formatted(", condition %.1f", r.condition) +
                      "\n";
-  text += formatted("Sigma found %.3f um", r.sigma_found_um) + formatted(", declared %.3f um", r.sigma_declared_um) +
-          formatted("; reduced chi-square %.3f", r.reduced_chi_square) + formatted(" (p %.2g)", r.chi_square_p) +
-          (r.chi_square_p < 1e-3 ? ": more scatter than the probe has, see trunnion close"
-           : r.freedom < 1       ? ": nothing is left to judge it by"
-                                 : ": as declared") +
-          "\n";
+  text +=
+      formatted("Sigma found %.3f um", r.sigma_found_um) +
+      (r.sigma_from_readings ? std::string(", none declared") : formatted(", declared %.3f um", r.sigma_declared_um)) +
+      formatted("; reduced chi-square %.3f", r.reduced_chi_square) + formatted(" (p %.2g)", r.chi_square_p) +
+      (r.sigma_from_readings   ? ": by construction"
+       : r.chi_square_p < 1e-3 ? ": more scatter than the probe has, see trunnion close"
+       : r.freedom < 1         ? ": nothing is left to judge it by"
+                               : ": as declared") +
+      "\n";
   if (r.uncertainty_scale > 1)
     text += formatted("Standard uncertainties are enlarged by %.2f accordingly\n", r.uncertainty_scale);
   if (r.belief)

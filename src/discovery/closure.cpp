@@ -255,9 +255,9 @@ class Search {
   /// what depends on that is the machine's unless its direction says otherwise.
   std::vector<std::string> on_measurement() const {
     std::vector<std::string> columns;
-    for (const Candidate& c : bench_.accepted)
-      if (is_base(family_of(c.effect->id()).name) && c.effect->origin() == Origin::measurement)
-        for (const std::string& column : c.effect->depends_on())
+    for (const AcceptedEffect& e : result_.effects)
+      if (e.smooth && e.effect->origin() == Origin::measurement)
+        for (const std::string& column : e.effect->depends_on())
           if (std::ranges::find(scope_.columns, column) != scope_.columns.end()) columns.push_back(column);
     return columns;
   }

@@ -178,9 +178,11 @@ void set_interpolation_sigma(RotaryMapContent& content, const LinearProblem& pro
   content.interpolation_sigma_rad = std::sqrt(angle2 / count);
 }
 
-double rms_sigma_um(const LinearProblem& problem) {
+/// Each sigma times the noise of its kind.
+double rms_sigma_um(const LinearProblem& problem, double length_noise = 1, double angle_noise = 1) {
   double sum = 0;
-  for (const Reading& reading : problem.readings) sum += std::pow(reading.sigma * (reading.angular ? kLever_mm : 1), 2);
+  for (const Reading& reading : problem.readings)
+    sum += std::pow(reading.sigma * (reading.angular ? angle_noise * kLever_mm : length_noise), 2);
   return 1e3 * std::sqrt(sum / static_cast<double>(problem.readings.size()));
 }
 
@@ -310,7 +312,11 @@ IdentificationResult identify(const ObservationSet& observations, const Machine&
   }
   result.sigma_declared_um = rms_sigma_um(problem);
   result.reduced_chi_square = result.freedom > 0 ? rss / result.freedom : 1;
-  result.sigma_found_um = result.sigma_declared_um * std::sqrt(result.reduced_chi_square);
+  // Free poses are weighed with the sigmas as they stand, the smooth map with what it found of them.
+  result.sigma_from_readings = smooth_options.free_noise && !fit;
+  const SmoothPrior& found = result.smooth.prior;
+  result.sigma_found_um = std::sqrt(result.reduced_chi_square) *
+                          (fit ? rms_sigma_um(problem) : rms_sigma_um(problem, found.length_noise, found.angle_noise));
   result.chi_square_p = chi_square_tail(rss, result.freedom);
   if (free_poses && result.chi_square_p < 1e-3) result.uncertainty_scale = std::sqrt(result.reduced_chi_square);
   const double scale2 = result.uncertainty_scale * result.uncertainty_scale;

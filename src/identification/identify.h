@@ -90,6 +90,7 @@ struct IdentificationResult {
   double condition = 0;
   double sigma_declared_um = 0;  ///< root mean square over the readings, rotations at a lever of 100 mm
   double sigma_found_um = 0;
+  bool sigma_from_readings = false;  ///< none is declared: the readings alone say it, and chi-square says nothing
   double reduced_chi_square = 0, freedom = 0, chi_square_p = 1;
   double uncertainty_scale = 1;  ///< what the standard uncertainties were multiplied by where chi-square failed
   double worst_redundancy = 1;

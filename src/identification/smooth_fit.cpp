@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "error.h"
 #include "geometric_errors/rotary_errors.h"
 #include "identification/minimise.h"
 #include "linear_algebra/factors.h"
@@ -122,7 +123,8 @@ enum class Inverse { diagonal, full };
 
 /// An unknown that no reading in use sees stays at zero, and two that are alike share; each in its own scale, for an
 /// encoder's zero and a backlash differ by twelve orders of magnitude.
-double unseen_precision(double precision) { return precision > 0 ? 1e-12 * precision : 1; }
+constexpr double kAboveRounding = 1e-12;
+double unseen_precision(double precision) { return precision > 0 ? kAboveRounding * precision : 1; }
 
 Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, const double noise[2], Inverse wanted) {
   Evaluation e;
@@ -148,7 +150,12 @@ Evaluation evaluate(const System& system, const Eigen::VectorXd& log_variance, c
   }
   if (system.extra_precision.size() > 0) joint.diagonal().tail(system.extra_precision.size()) += system.extra_precision;
   for (Eigen::Index k = system.coefficients; k < system.size; ++k) joint(k, k) += unseen_precision(joint(k, k));
-  const Cholesky factor(joint);
+  Cholesky factor(joint);
+  if (!factor.definite()) {
+    // Of what many readings leave open (mounts against constants of the map) the wide priors are lost to rounding.
+    joint.diagonal() *= 1 + kAboveRounding;
+    factor = Cholesky(joint);
+  }
   if (!factor.definite()) return e;
   e.solution = factor.solve(rhs);
   if (wanted == Inverse::full) {
@@ -444,6 +451,7 @@ SmoothFit fit_smooth(const LinearProblem& problem, const HarmonicBasis& basis, c
     hyper.log_variances(found.x.head(base), log_variance, derivative);
   }
   const Evaluation e = evaluate(system, log_variance, noise, Inverse::full);
+  if (e.solution.size() == 0) throw ModelError("the readings leave more open than any prior of the maps can settle");
   fit.log_evidence = -e.negative_log;
   if (options.belief) {
     const Eigen::VectorXd moved = e.solution.head(m) - system.believed_mean;

@@ -44,7 +44,7 @@ json identification_json(const IdentificationResult& r, const Machine& machine,
   j["rank"] = r.rank;
   j["degrees_of_freedom"] = r.freedom;
   j["condition"] = r.condition;
-  j["sigma_declared_um"] = r.sigma_declared_um;
+  j["sigma_declared_um"] = r.sigma_from_readings ? json() : json(r.sigma_declared_um);
   j["sigma_found_um"] = r.sigma_found_um;
   j["reduced_chi2"] = r.reduced_chi_square;
   j["chi2_p"] = r.chi_square_p;

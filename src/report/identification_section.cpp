@@ -154,14 +154,17 @@ std::string fact(const std::string& term, const std::string& said) { return elem
 
 std::string quality(const json& fit) {
   const auto number = [&](const char* key) { return quantity(number_at(fit, {key}).value_or(NAN), std::nullopt, ""); };
+  const bool declared = !fit.contains("sigma_declared_um") || !fit["sigma_declared_um"].is_null();
   std::string facts;
   facts += fact("Readings, unknowns, degrees of freedom",
                 number("readings") + ", " + number("unknowns") + ", " + number("degrees_of_freedom"));
-  facts += fact("Standard deviation of a reading: found, declared",
-                number("sigma_found_um") + "\u00a0µm, " + number("sigma_declared_um") + "\u00a0µm");
+  facts +=
+      fact("Standard deviation of a reading: found, declared",
+           number("sigma_found_um") + "\u00a0µm, " + (declared ? number("sigma_declared_um") + "\u00a0µm" : "none"));
   const double p = number_at(fit, {"chi2_p"}).value_or(NAN);
   facts += fact("Reduced chi-square", number("reduced_chi2") + " (p " + probability(p) + ")" +
-                                          (p < 1e-3    ? ": more scatter than the probe has"
+                                          (!declared   ? ": by construction"
+                                           : p < 1e-3  ? ": more scatter than the probe has"
                                            : p >= 1e-3 ? ": as declared"
                                                        : ""));
   if (const auto scale = number_at(fit, {"uncertainty_scale"}); scale && *scale > 1)

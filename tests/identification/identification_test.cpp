@@ -181,6 +181,53 @@ TEST(Identification, GoesOnWithOnePoseMissing) {
     EXPECT_LT(std::abs(error[k]), 4 * std::sqrt(covariance(k, k))) << "component " << k;
 }
 
+constexpr double kPlace_mm = 1e-4, kTurn_rad = 2e-6;
+
+/// A perfect machine seen by an instrument at `tilts` x 72 poses, without a word on how well it sees.
+ObservationSet poses(const Machine& machine, int tilts, int every_C) {
+  const KinematicChain chain(machine);
+  testing::Noise noise(1);
+  const auto drawn = [&](double size) -> Eigen::Vector3d {
+    return Eigen::Vector3d(noise.normal(), noise.normal(), noise.normal()) * size;
+  };
+  ObservationSet set{.files = {"poses.csv"}, .points = {""}, .artifacts = {""}};
+  for (int i = 0; i < tilts; ++i)
+    for (int C_deg = 0; C_deg < 360; C_deg += every_C) {
+      Observation o{.kind = ReadingKind::pose, .line = static_cast<std::uint32_t>(set.rows.size() + 2)};
+      o.at = {Angle::degrees(-90. * i / (tilts + 3)), Angle::degrees(C_deg)};
+      const Eigen::Isometry3d nominal = chain.r_from_w(o.at);
+      const Eigen::Vector3d v = drawn(kTurn_rad / 2);
+      o.position_mm = nominal * Eigen::Vector3d(50, 20, 60) + drawn(kPlace_mm);
+      o.orientation = Eigen::Quaterniond(nominal.linear()) * Eigen::Quaterniond(1, v.x(), v.y(), v.z()).normalized();
+      set.rows.push_back(o);
+    }
+  return set;
+}
+
+TEST(Identification, SettlesWhatAThousandPosesLeaveOpen) {
+  // The mounts of instrument and target take over the maps' constants: beside as many readings, each a hundred times
+  // better than is believed at first, the constants' wide priors are lost to rounding.
+  const Machine machine = plain_machine();
+  const ObservationSet set = poses(machine, 20, 5);
+  const LinearProblem problem = make_linear_problem(set, machine);
+  const SmoothFit fit = fit_smooth(problem, basis_for(problem), {.free_noise = true});
+  EXPECT_NEAR(fit.prior.length_noise * problem.readings[0].sigma, kPlace_mm, 0.03 * kPlace_mm);
+  EXPECT_NEAR(fit.prior.angle_noise * problem.readings[5].sigma, kTurn_rad, 0.05 * kTurn_rad);
+  EXPECT_TRUE(fit.coefficients.allFinite());
+}
+
+TEST(Identification, TellsTheScatterThatItFoundWhereNoneIsDeclared) {
+  const Machine machine = plain_machine();
+  ObservationSet set = poses(machine, 5, 30);
+  const IdentificationResult result = identify(set, machine);
+  EXPECT_TRUE(result.sigma_from_readings);
+  constexpr double kAtALever_mm = 100 * kTurn_rad;
+  EXPECT_NEAR(result.sigma_found_um, 1e3 * std::sqrt((kPlace_mm * kPlace_mm + kAtALever_mm * kAtALever_mm) / 2), 0.02);
+  for (Observation& o : set.rows) o.sigma = kPlace_mm;
+  set.has_sigma = true;
+  EXPECT_FALSE(identify(set, machine).sigma_from_readings);
+}
+
 TEST(Identification, RefusesALabelThatStandsElsewhere) {
   std::vector<testing::ObservationRow> rows = probed(testing::smooth_machine(2), 9);
   rows[100].xyz_mm->x() += 30 * rows[100].n->x();

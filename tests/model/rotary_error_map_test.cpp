@@ -91,6 +91,19 @@ TEST(RotaryErrorMap, ReadsBackItsWholeCovariance) {
       ASSERT_LE(std::abs(difference(r, c)), 6e-7 * std::abs(content.grid_covariance(r, c)));
 }
 
+TEST(RotaryErrorMap, WritesStandardUncertaintiesAloneWhereCovariancesWouldFillAFile) {
+  std::vector<Angle> tilts, turns;
+  for (int k = 0; k < 10; ++k) tilts.push_back(Angle::degrees(-90 + 10 * k));
+  for (int k = 0; k < 72; ++k) turns.push_back(Angle::degrees(5 * k));
+  RotaryMapContent content{.grid = zero_grid(tilts, turns), .full_covariance = true};
+  const auto n = static_cast<Eigen::Index>(content.grid.coefficient_count());
+  content.grid_covariance = Eigen::MatrixXd::Constant(n, n, 1e-12);
+  content.grid_covariance.diagonal().setConstant(4e-12);
+  const json j = RotaryErrorMap(content, context()).to_json();
+  EXPECT_FALSE(j.contains("covariance"));
+  EXPECT_NEAR(j["std"]["EXA"]["data"][3].get<double>(), 2e-3, 1e-12);
+}
+
 TEST(RotaryErrorMap, WhatNothingDeterminedIsNullAndNotUsedUnasked) {
   RotaryMapContent content{.grid = drawn(6)};
   content.unseen.assign(content.grid.coefficient_count(), false);

@@ -33,6 +33,9 @@ double rounded(double value) {
 
 Unit coefficient_unit(Eigen::Index k) { return component_unit(static_cast<std::size_t>(k % 6)); }
 
+/// Node values whose covariances are written, eight million: a hundred megabytes. Beyond, their standard uncertainties.
+constexpr Eigen::Index kMostCorrelated = 4095;
+
 json packed(const Eigen::MatrixXd& covariance) {
   json entries = json::array();
   for (Eigen::Index r = 0; r < covariance.rows(); ++r)
@@ -311,7 +314,8 @@ json RotaryErrorMap::to_json() const {
     j["std"] = value_table(grid, letter, [&](Eigen::Index k, Unit unit) {
       return unseen(k) ? json() : json(to_unit(std::sqrt(std::max(0.0, content_.grid_covariance(k, k))), unit));
     });
-    if (content_.full_covariance) j["covariance"] = packed(content_.grid_covariance);
+    if (content_.full_covariance && content_.grid_covariance.rows() <= kMostCorrelated)
+      j["covariance"] = packed(content_.grid_covariance);
   }
   json interpolation = {{"method", content_.smooth_basis ? content_.smooth_method
                                                          : std::string(interpolation_name(content_.interpolation))},
