@@ -124,14 +124,14 @@ TEST(EvidencePage, TellsRoundnessInTheDigitsOfItsInterval) {
 
 TEST(EvidencePage, SaysWhereNoSigmaIsDeclared) {
   ResultFile model = model_file("7");
-  EXPECT_THAT(markup(page_of({model})), HasSubstr("1.1 (p 0.25): as declared"));
+  EXPECT_THAT(markup(page_of({model})), HasSubstr("1.10 (p 0.25): as declared"));
   nlohmann::json content = *model.content;
   content["fit"]["sigma_found_um"] = 0.71;
   content["fit"]["sigma_declared_um"] = nullptr;
   model.content = std::make_shared<const nlohmann::json>(std::move(content));
   const std::string seen = markup(page_of({model}));
-  EXPECT_THAT(seen, HasSubstr("0.71\u00a0µm, none"));
-  EXPECT_THAT(seen, HasSubstr("1.1 (p 0.25): by construction"));
+  EXPECT_THAT(seen, HasSubstr("0.710\u00a0µm, none"));
+  EXPECT_THAT(seen, HasSubstr("1.10 (p 0.25): by construction"));
 }
 
 TEST(EvidencePage, IsOfOneMachine) {
