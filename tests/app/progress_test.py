@@ -22,6 +22,18 @@ def wanted(what, holds):
         wrong.append(what)
 
 
+def repeated(readings, times, out):
+    """Writes to `out` the run in the file `readings` so many times, one after another."""
+    rows = readings.read_text().splitlines(keepends=True)
+    clock = rows[0].rstrip().split(",").index("time_s")
+    run = [row.split(",") for row in rows[1:]]
+    length = 1 + max(float(row[clock]) for row in run)
+    with open(out, "w", encoding="utf-8") as file:
+        file.write(rows[0])
+        for k in range(times):
+            file.writelines(",".join([*row[:clock], str(float(row[clock]) + length * k), *row[clock + 1:]]) for row in run)
+
+
 def main():
     program, source, out = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
     shutil.rmtree(out, ignore_errors=True)
@@ -42,25 +54,19 @@ def main():
     with open(long, "w", encoding="utf-8") as file:
         file.writelines(part[:at] + [part[at].replace("X0.000", f"X0.0{k % 100}") for k in range(1000000)] + part[at:])
 
-    calibration = readings.read_text().splitlines(keepends=True)
-    run = [row.split(",") for row in calibration[1:]]
-    clock = calibration[0].split(",").index("time_s")
-    long_run, log = out / "long_run.csv", out / "plan.log"
-    with open(long_run, "w", encoding="utf-8") as file:
-        file.write(calibration[0])
-        for k in range(300):
-            file.writelines(",".join([*row[:clock], str(float(row[clock]) + 2000 * k), *row[clock + 1:]]) for row in run)
+    study = source / "samples/probing/machine-01"
+    long_run, long_study, log = out / "long_run.csv", out / "long_study.csv", out / "plan.log"
+    repeated(readings, 300, long_run)
+    repeated(study / "observations.csv", 8, long_study)
     log.write_text("trunnion-probe-log,1,Middle-size trunnion,0001\ntouch,P,1,0,0,1,1,0,0,1,0,0,3,10.125,20.25,30.5\n")
 
-    study = source / "samples/probing/machine-01"
     long_ones = {
         "identify": (["identify", *on, "--observations", long_run, "-o", out / "long_run.json"], COUNTED % ("identify", "readings")),
         "plan": (["plan", "--machine", study / "machine.toml", "--observations", study / "observations.csv", "--separate",
                   "backlash:A,thermal_drift", "--visits", "60", "-o", out / "long.csv"],
                  COUNTED % ("plan", "visits")),
-        "close": (["close", "--machine", study / "machine.toml", "--observations", study / "observations.csv", "--verification",
-                   study / "verification.csv", "-o", out / "long_close"],
-                  r"\rsearch 982 readings: (readings far off|effect \d of at most \d among \d+ columns), [\d.]+ s"),
+        "close": (["close", "--machine", study / "machine.toml", "--observations", long_study, "-o", out / "long_close"],
+                  r"\rsearch \d+ readings: (readings far off|effect \d of at most \d among \d+ columns), [\d.]+ s"),
         "predict": ([*predict, "--draws", "1000000"], COUNTED % ("draws of uncompensated", "draws")),
         "evaluate": (["evaluate", *model, "--at", many, "-o", out / "many_out.csv"], COUNTED % ("evaluate", "rows")),
         "correct": (["correct", *model, "--job", samples / "correct/job.toml", long, "-o", out / "long_out.ngc", "--report", out / "long.json"],
