@@ -59,6 +59,17 @@ void append(std::string& out, const json& value, int indent) {
   }
 }
 
+/// Blanks without end are refused: where the text ends after them the library tells each of them, with ten letters.
+void check_blanks(std::string_view text, const std::string& name) {
+  constexpr std::size_t kMostBlanks = std::size_t{1} << 20;
+  std::size_t run = 0;
+  for (const char c : text) {
+    run = c == ' ' || c == '\n' || c == '\t' || c == '\r' ? run + 1 : 0;
+    if (run > kMostBlanks)
+      throw InputError(name, "more than " + std::to_string(kMostBlanks) + " blanks found one after another");
+  }
+}
+
 }  // namespace
 
 std::string json_text(const json& value) {
@@ -71,6 +82,7 @@ json parse_json(std::string_view text, const std::string& name) {
   if (text.size() > kLargestJson_bytes)
     throw InputError(
         name, std::to_string(text.size()) + " bytes found, " + std::to_string(kLargestJson_bytes) + " is the most");
+  check_blanks(text, name);
   constexpr int kDeepest = 32;
   // After every object the library walks over all that stand beside it: a million would take hours.
   constexpr std::size_t kMostObjects = std::size_t{1} << 16;

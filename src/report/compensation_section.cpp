@@ -149,11 +149,14 @@ Section program_section(const Evidence& evidence) {
     const json& c = *r.content;
     const std::string name = text_at(c, "nc_program", r.path);
     const auto count = [&](const char* key) { return quantity(number_at(c, {key}).value_or(0), std::nullopt, ""); };
+    const auto counted = [&](const char* key, const std::string& one, const std::string& done) {
+      return count(key) + " " + one + (count(key) == "1" ? " " : "s ") + done;
+    };
     section.html += element("h3", escaped(name)) +
-                    element("p", count("corrected_blocks") + " moves of " + count("lines") + " lines corrected, " +
-                                     count("changed_words") + " words changed, " + count("added_words") + " added, " +
-                                     count("inserted_blocks") + " blocks inserted, " + count("copied_moves") +
-                                     " moves copied. Dialect " + escaped(text_at(c, "dialect", "not said")) +
+                    element("p", counted("corrected_blocks", "move", "of ") + counted("lines", "line", "corrected, ") +
+                                     counted("changed_words", "word", "changed, ") + count("added_words") + " added, " +
+                                     counted("inserted_blocks", "block", "inserted, ") +
+                                     counted("copied_moves", "move", "copied. ") + "Dialect " + escaped(text_at(c, "dialect", "not said")) +
                                      ", tool-centre-point control " + escaped(text_at(c, "tcp", "not said")) + ".");
     section.html += left_uncorrected(c);
     if (!c.contains("playback")) continue;

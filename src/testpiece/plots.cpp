@@ -105,20 +105,20 @@ std::string polar_plot_svg(const std::string& title, std::span<const PolarCurve>
     svg += "<path d=\"M30 " + fixed(y - 6, 1) + "h28\" " + line + "/>\n";
     svg += label(66, y - 2,
                  curves[c].label + ": LSC " + fixed(1e3 * least_squares_circle(curves[c].radial).roundness_mm, 3) +
-                     " um, MZC " + fixed(1e3 * minimum_zone_circle(curves[c].radial).roundness_mm, 3) + " um");
+                     " µm, MZC " + fixed(1e3 * minimum_zone_circle(curves[c].radial).roundness_mm, 3) + " µm");
   }
-  svg += label(40, 526, "1 division = " + plain(division_um) + " um, about the least squares circle; phi in deg",
+  svg += label(40, 526, "1 division = " + plain(division_um) + " µm, about the least squares circle; phi in deg",
                "fill=\"#333\"");
   return svg + "</svg>\n";
 }
 
 std::string unrolled_map_svg(const std::string& title, std::size_t phi_count, std::span<const double> heights_mm,
                              std::span<const double> deviation_mm, double end_um) {
-  constexpr double kLeft = 60, kTop = 40, kWidth = 720, kHeight = 200;
+  constexpr double kLeft = 60, kTop = 40, kWidth = 470, kHeight = 160, kBar = kLeft + kWidth + 20;
   const auto rows = static_cast<double>(heights_mm.size());
   const double cell_x = kWidth / static_cast<double>(phi_count), cell_y = kHeight / rows;
 
-  std::string svg = opening(900, 300, title);
+  std::string svg = opening(640, 260, title);
   svg += label(kLeft, 24, title, "font-size=\"14\"");
   svg += "<g shape-rendering=\"crispEdges\">\n";
   for (std::size_t j = 0; j < heights_mm.size(); ++j) {
@@ -143,10 +143,10 @@ std::string unrolled_map_svg(const std::string& title, std::size_t phi_count, st
                  "text-anchor=\"end\"");
   svg += label(8, kTop + kHeight / 2, "h, mm");
   for (int k = 0; k < 64; ++k)
-    svg += "<rect x=\"800\" y=\"" + fixed(kTop + kHeight * (63 - k) / 64, 2) + "\" width=\"18\" height=\"" +
+    svg += "<rect x=\"" + plain(kBar) + "\" y=\"" + fixed(kTop + kHeight * (63 - k) / 64, 2) + "\" width=\"18\" height=\"" +
            fixed(kHeight / 64 + 0.3, 2) + "\" fill=\"" + hex(deviation_colour((k + 0.5) / 32 - 1)) + "\"/>\n";
   for (const double share : {-1.0, 0.0, 1.0})
-    svg += label(824, kTop + kHeight * (1 - share) / 2 + 4, (share > 0 ? "+" : "") + plain(share * end_um) + " um");
+    svg += label(kBar + 24, kTop + kHeight * (1 - share) / 2 + 4, (share > 0 ? "+" : "") + plain(share * end_um) + " µm");
   return svg + "</svg>\n";
 }
 

@@ -40,6 +40,8 @@ TEST(JsonText, RefusesWhatWouldTakeAllMemory) {
   EXPECT_EQ(json_refusal(json_list("0", kMostValues + 1)), "m.json: more than 16777216 values found");
   EXPECT_EQ(json_refusal(std::string(kLargestJson_bytes + 1, ' ')),
             "m.json: 268435457 bytes found, 268435456 is the most");
+  EXPECT_EQ(json_refusal("[" + std::string(1048577, '\n')),
+            "m.json: more than 1048576 blanks found one after another");
 }
 
 }  // namespace

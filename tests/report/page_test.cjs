@@ -56,6 +56,20 @@ async function shown(locator) {
   return (await locator.page().screenshot({ clip: await locator.boundingBox() })).toString("base64");
 }
 
+/// The whole page as it looks, in pieces: of a picture as high as the page Chromium draws 8192 pixels and repeats them.
+async function picture(page, name) {
+  const { width, height } = page.viewportSize();
+  const most = 3600;
+  await page.setViewportSize({ width, height: most });
+  const whole = await page.evaluate(() => document.documentElement.scrollHeight);
+  for (let from = 0, piece = 1; from < whole; from += most, ++piece) {
+    await page.evaluate((y) => scrollTo(0, y), from);
+    await page.waitForTimeout(300);
+    await page.screenshot({ path: path.join(pictures, `${name}_${piece}.png`) });
+  }
+  await page.setViewportSize({ width, height });
+}
+
 async function checkText(page) {
   const text = fs.readFileSync(file, "utf8");
   check(text.length < MOST_BYTES, `${text.length} bytes, fewer than ${MOST_BYTES} are wanted`);
@@ -172,7 +186,7 @@ async function checkStill(browser) {
   check(await page.locator("figure.chart .still svg").first().isVisible(), "without scripts: no still chart");
   check(await page.locator("figure.picture svg").first().isVisible(), "without scripts: no still picture");
   check(!(await page.locator(".controls").first().isVisible()), "without scripts: controls that do nothing");
-  await page.screenshot({ path: path.join(pictures, "without_scripts.png"), fullPage: true });
+  await picture(page, "without_scripts");
   await page.context().close();
 }
 
@@ -180,7 +194,7 @@ async function checkSmall(browser) {
   const page = await opened(browser, { viewport: { width: 390, height: 844 }, colorScheme: "dark" });
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
   check(wide <= 0, `on a small window the page is ${wide} pixels too wide`);
-  await page.screenshot({ path: path.join(pictures, "small_dark.png"), fullPage: true });
+  await picture(page, "small_dark");
   await page.context().close();
 }
 
@@ -193,7 +207,7 @@ async function main() {
   await checkCharts(page);
   await checkPart(page);
   await page.mouse.move(5, 5);
-  await page.screenshot({ path: path.join(pictures, "light.png"), fullPage: true });
+  await picture(page, "light");
   const paper = async () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   const light = await paper();
   await page.locator("#theme").click();
@@ -218,7 +232,7 @@ async function main() {
   check(colours.paper === "none", `dark: a picture lies on ${colours.paper}`);
   check(colours.text === colours.ink, `dark: a picture's letters are ${colours.text}, the page's ${colours.ink}`);
   check(colours.line === colours.first, `dark: a picture's first line is ${colours.line}`);
-  await dark.screenshot({ path: path.join(pictures, "dark.png"), fullPage: true });
+  await picture(dark, "dark");
   await dark.context().close();
   await checkStill(browser);
   await checkSmall(browser);

@@ -81,6 +81,7 @@ function live(figure) {
 
   const { data, series, bands } = seriesOf(chart);
   const axis = (label, size) => ({
+    values: (u, at) => at.map((v) => (v == null ? "" : Number(v.toPrecision(9)).toString().replace("-", "−"))),
     label, size, labelSize: 22, labelFont: "13px sans-serif", font: "12px sans-serif",
     stroke: () => colour("--ink"), grid: { stroke: () => colour("--grid"), width: 1 },
     ticks: { stroke: () => colour("--grid"), width: 1 },
