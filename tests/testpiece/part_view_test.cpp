@@ -150,9 +150,9 @@ TEST(Plots, SayWhatTheyShow) {
   const std::string polar = polar_plot_svg("Roundness & more", curves);
   EXPECT_THAT(polar, HasSubstr("Roundness &amp; more"));
   EXPECT_THAT(polar, HasSubstr("h 0 mm &lt;a&gt;: LSC 8."));
-  EXPECT_THAT(polar, HasSubstr("1 division = 2.5 um"));
+  EXPECT_THAT(polar, HasSubstr("1 division = 2.5 µm"));
   const std::string map = unrolled_map_svg("Deviation", 36, scene.surface.h_mm, scene.deviation, kEnd_um);
-  EXPECT_THAT(map, HasSubstr("+5 um"));
+  EXPECT_THAT(map, HasSubstr("+5 µm"));
   EXPECT_THAT(map, HasSubstr("</svg>"));
   for (const std::string* svg : {&polar, &map}) {
     EXPECT_EQ(svg->find("nan"), std::string::npos);

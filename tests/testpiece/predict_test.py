@@ -74,7 +74,7 @@ def main():
     views = [scale_of(view) for view in sorted((scratch / "fanuc").glob("part_*.glb"))]
     expect(len(views) == 3 and len(set(views)) == 1, f"scales of the parts, um: {views}")
     for drawn in (scratch / "fanuc").glob("map_*.svg"):
-        expect(f">+{views[0]:g} um<" in drawn.read_text(), f"{drawn.name}: its scale does not end at {views[0]} um")
+        expect(f">+{views[0]:g} µm<" in drawn.read_text(encoding="utf-8"), f"{drawn.name}: its scale does not end at {views[0]} um")
     with open(scratch / "fanuc/flank.csv", encoding="utf-8") as file:
         flank = max(abs(float(row["uncompensated_um"])) for row in csv.DictReader(file))
     expect(flank <= views[0] <= 2.5 * flank, f"a scale of {views[0]} um for {flank} um")
