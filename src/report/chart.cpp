@@ -33,6 +33,12 @@ double tick_step(double width, int count) {
   return 10 * power;
 }
 
+/// A number at an axis, with a minus sign as the text has it.
+std::string tick_text(double value) {
+  const std::string text = formatted("%g", value + 0.0);
+  return text.starts_with('-') ? "−" + text.substr(1) : text;
+}
+
 Span abscissae(const Chart& chart) {
   Span span;
   if (!chart.categories.empty()) return {-0.5, static_cast<double>(chart.categories.size()) - 0.5};
@@ -94,8 +100,7 @@ class Drawing {
           "<text x=\"" + fixed_text(left(x), 1) + "\" y=\"232\" text-anchor=\"middle\">" + escaped(name) + "</text>";
     };
     if (chart_.categories.empty()) {
-      for (double k = std::ceil(x_.low / dx); k * dx <= x_.high + 1e-9 * dx; ++k)
-        tick(k * dx, formatted("%g", k * dx + 0.0));
+      for (double k = std::ceil(x_.low / dx); k * dx <= x_.high + 1e-9 * dx; ++k) tick(k * dx, tick_text(k * dx));
     } else {
       const std::size_t every = 1 + (chart_.categories.size() - 1) / kNamed;
       for (std::size_t k = 0; k < chart_.categories.size(); k += every)
@@ -103,8 +108,8 @@ class Drawing {
     }
     for (double k = std::ceil(y_.low / dy); k * dy <= y_.high + 1e-9 * dy; ++k) {
       grid += "M" + at(kLeft, top(k * dy)) + "H" + fixed_text(kWidth - kRight, 1);
-      labels += "<text x=\"56\" y=\"" + fixed_text(top(k * dy) + 4, 1) + "\" text-anchor=\"end\">" +
-                formatted("%g", k * dy + 0.0) + "</text>";
+      labels += "<text x=\"56\" y=\"" + fixed_text(top(k * dy) + 4, 1) + "\" text-anchor=\"end\">" + tick_text(k * dy) +
+                "</text>";
     }
     return "<path class=\"grid\" d=\"" + grid + "\"/><path class=\"axis\" d=\"M" + at(kLeft, top(0)) + "H" +
            fixed_text(kWidth - kRight, 1) + "\"/><g class=\"ticks\">" + labels +

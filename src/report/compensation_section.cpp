@@ -156,8 +156,9 @@ Section program_section(const Evidence& evidence) {
                     element("p", counted("corrected_blocks", "move", "of ") + counted("lines", "line", "corrected, ") +
                                      counted("changed_words", "word", "changed, ") + count("added_words") + " added, " +
                                      counted("inserted_blocks", "block", "inserted, ") +
-                                     counted("copied_moves", "move", "copied. ") + "Dialect " + escaped(text_at(c, "dialect", "not said")) +
-                                     ", tool-centre-point control " + escaped(text_at(c, "tcp", "not said")) + ".");
+                                     counted("copied_moves", "move", "copied. ") + "Dialect " +
+                                     escaped(text_at(c, "dialect", "not said")) + ", tool-centre-point control " +
+                                     escaped(text_at(c, "tcp", "not said")) + ".");
     section.html += left_uncorrected(c);
     if (!c.contains("playback")) continue;
     const json& p = c["playback"];

@@ -24,6 +24,13 @@ std::string kind_text(ResultKind kind) {
   return "";
 }
 
+/// A path that a narrow window may break after its folders.
+std::string path_text(const std::string& path) {
+  std::string text;
+  for (const char c : path) text += c == '/' ? "/<wbr>" : escaped(std::string(1, c));
+  return text;
+}
+
 std::string hash_text(const std::string& digits) {
   return "<code title=\"" + escaped(digits) + "\">" + escaped(digits.substr(0, 12)) + "</code>";
 }
@@ -52,7 +59,7 @@ std::vector<std::vector<std::string>> input_rows(const Evidence& evidence) {
     if (!provenance.contains("inputs_sha256") || !provenance["inputs_sha256"].is_object()) continue;
     for (const auto& [name, hash] : provenance["inputs_sha256"].items()) {
       const std::string digits = hash.is_string() ? hash.get<std::string>() : "";
-      rows.push_back({escaped(r.path), escaped(name), digits.empty() ? "not a file" : hash_text(digits),
+      rows.push_back({path_text(r.path), escaped(name), digits.empty() ? "not a file" : hash_text(digits),
                       model_hashes.contains(digits) ? "the model on this page" : ""});
     }
   }
@@ -97,7 +104,7 @@ Section provenance_section(const Evidence& evidence) {
   std::vector<std::vector<std::string>> files;
   std::string structure;
   for (const ResultFile& r : evidence.results) {
-    files.push_back({escaped(r.path), kind_text(r.kind), hash_text(r.sha256), escaped(r.changed),
+    files.push_back({path_text(r.path), kind_text(r.kind), hash_text(r.sha256), escaped(r.changed),
                      escaped(text_at(provenance_of(r), "program", "not said"))});
     if (r.kind == ResultKind::model && r.content->contains("machine"))
       structure = text_at((*r.content)["machine"], "structure", structure);
