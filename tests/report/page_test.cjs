@@ -179,6 +179,16 @@ async function checkSmall(browser) {
   const page = await opened(browser, { viewport: { width: 390, height: 844 }, colorScheme: "dark" });
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
   check(wide <= 0, `on a small window the page is ${wide} pixels too wide`);
+  // What a wide table is called stays in sight, however far the table is scrolled.
+  const cut = await page.evaluate(() => [...document.querySelectorAll(".scroll")].flatMap((place) => {
+    const caption = place.querySelector("caption");
+    return [0, place.scrollWidth].flatMap((left) => {
+      place.scrollLeft = left;
+      const box = caption.getBoundingClientRect(), frame = place.getBoundingClientRect();
+      return box.left < frame.left - 1 || box.right > frame.right + 1 ? [`${caption.textContent} (${box.left} … ${box.right})`] : [];
+    });
+  }));
+  check(cut.length === 0, `on a small window captions are cut: ${cut.slice(0, 3)}`);
   await page.context().close();
 }
 
