@@ -59,7 +59,7 @@ void append(std::string& out, const json& value, int indent) {
   }
 }
 
-/// Blanks without end are refused: where the text ends after them the library tells each of them, with ten letters.
+/// Blanks without end are refused: where an error follows them, the library's message names each of them.
 void check_blanks(std::string_view text, const std::string& name) {
   constexpr std::size_t kMostBlanks = std::size_t{1} << 20;
   std::size_t run = 0;

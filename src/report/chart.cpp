@@ -33,11 +33,7 @@ double tick_step(double width, int count) {
   return 10 * power;
 }
 
-/// A number at an axis, with a minus sign as the text has it.
-std::string tick_text(double value) {
-  const std::string text = formatted("%g", value + 0.0);
-  return text.starts_with('-') ? "−" + text.substr(1) : text;
-}
+std::string tick_text(double value) { return with_true_minus(formatted("%g", value + 0.0)); }
 
 Span abscissae(const Chart& chart) {
   Span span;

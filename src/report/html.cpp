@@ -18,11 +18,6 @@ std::string plain_number(double value) {
   return fixed_text(value, std::clamp(decimals, 0, 3));
 }
 
-std::string with_true_minus(std::string text) {
-  for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-', at + 3)) text.replace(at, 1, "−");
-  return text;
-}
-
 bool is_number(const std::string& cell) {
   const std::size_t at = cell.starts_with("&lt;") ? cell.find_first_not_of(' ', 4) : 0;  // "<1e-16" is a number as well
   return at < cell.size() && (std::isdigit(static_cast<unsigned char>(cell[at])) != 0 || cell.compare(at, 3, "−") == 0);
@@ -68,6 +63,11 @@ std::string html_table(const std::string& caption, const std::vector<std::string
     text += "</tr>\n";
   }
   return text + "</tbody></table></div>\n";
+}
+
+std::string with_true_minus(std::string text) {
+  for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-', at + 3)) text.replace(at, 1, "−");
+  return text;
 }
 
 std::string unit_symbol(std::string_view unit) {

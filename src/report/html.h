@@ -19,6 +19,9 @@ std::string element(const std::string& tag, const std::string& content, const st
 std::string html_table(const std::string& caption, const std::vector<std::string>& head,
                        const std::vector<std::vector<std::string>>& rows);
 
+/// The text of a number with minus signs in place of hyphens, in its exponent too.
+std::string with_true_minus(std::string text);
+
 /// A value with its standard uncertainty in parallel digits, "−12.34 ± 0.21 µm"; without one to three significant
 /// digits.
 std::string quantity(double value, std::optional<double> std, std::string_view unit);

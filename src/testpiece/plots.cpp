@@ -147,8 +147,11 @@ std::string unrolled_map_svg(const std::string& title, std::size_t phi_count, st
            "\" width=\"18\" height=\"" + fixed(kHeight / 64 + 0.3, 2) + "\" fill=\"" +
            hex(deviation_colour((k + 0.5) / 32 - 1)) + "\"/>\n";
   for (const double share : {-1.0, 0.0, 1.0})
-    svg +=
-        label(kBar + 24, kTop + kHeight * (1 - share) / 2 + 4, (share > 0 ? "+" : "") + plain(share * end_um) + " µm");
+    svg += label(kBar + 24, kTop + kHeight * (1 - share) / 2 + 4,
+                 (share > 0   ? "+"
+                  : share < 0 ? "−"
+                              : "") +
+                     plain(std::abs(share) * end_um) + " µm");
   return svg + "</svg>\n";
 }
 

@@ -1,7 +1,8 @@
 // The page of evidence in a real browser.
 //
-//   node page_test.cjs REPORT.html SCREENSHOT_DIR
+//   node page_test.cjs REPORT.html FOLDER
 //
+// and its print on A4 into FOLDER; pictures.cjs makes what is to be looked at.
 // Debian's chromium, headless, driven by playwright-core (found through NODE_PATH). Exit status 77 where one of the two is
 // missing, 1 and a line for each finding otherwise.
 "use strict";

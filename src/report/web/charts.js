@@ -7,13 +7,14 @@ const SHAPES_WIDE = 4;
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-const digits = (value) => (value == null ? "–" : Number(value.toPrecision(4)).toString().replace("-", "−"));
+const withTrueMinus = (text) => text.replaceAll("-", "−");
+const digits = (value) => (value == null ? "–" : withTrueMinus(Number(value.toPrecision(4)).toString()));
 
 /// A value with its standard uncertainty, both to the decimal where that has two significant digits.
 function withUncertainty(value, std) {
   if (!(std > 0)) return digits(value);
   const decimals = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(std))));
-  return `${value.toFixed(decimals).replace("-", "−")} ± ${std.toFixed(decimals)}`;
+  return `${withTrueMinus(value.toFixed(decimals))} ± ${std.toFixed(decimals)}`;
 }
 
 /// What an abscissa says: a number, or the kind that stands nearest.
@@ -81,7 +82,7 @@ function live(figure) {
 
   const { data, series, bands } = seriesOf(chart);
   const axis = (label, size) => ({
-    values: (u, at) => at.map((v) => (v == null ? "" : Number(v.toPrecision(9)).toString().replace("-", "−"))),
+    values: (u, at) => at.map((v) => (v == null ? "" : withTrueMinus(Number(v.toPrecision(9)).toString()))),
     label, size, labelSize: 22, labelFont: "13px sans-serif", font: "12px sans-serif",
     stroke: () => colour("--ink"), grid: { stroke: () => colour("--grid"), width: 1 },
     ticks: { stroke: () => colour("--grid"), width: 1 },

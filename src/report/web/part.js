@@ -148,13 +148,7 @@ class PartView {
     this.draw();
   }
 
-  /// Once before the next frame, however much changes until then.
   draw() {
-    this.frame ??= requestAnimationFrame(() => this.render());
-  }
-
-  render() {
-    this.frame = undefined;
     const size = this.renderer.getSize(new Vector2());
     this.renderer.setScissorTest(true);
     this.sides.forEach(({ scene }, k) => {
